@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace relume {
+
+/// A read-only memory-mapped file. Empty files map to an empty span.
+class MappedFile {
+ public:
+  MappedFile() = default;
+  /// Throws Error(input) when `path` cannot be opened or mapped.
+  explicit MappedFile(const std::filesystem::path& path);
+  ~MappedFile();
+  MappedFile(MappedFile&& other) noexcept;
+  MappedFile& operator=(MappedFile&& other) noexcept;
+
+  std::span<const std::byte> bytes() const { return {data_, size_}; }
+
+ private:
+  const std::byte* data_ = nullptr;
+  size_t size_ = 0;
+};
+
+/// Writes a file so that readers see the old or the new one, never a part: everything goes to a
+/// temporary beside `path`; commit() flushes it to disk (fsync), renames it over `path` and syncs the
+/// folder. Without commit() the destructor removes the temporary and `path` stays as it was.
+class AtomicFile {
+ public:
+  /// Throws Error(output) when the folder is missing or not writable.
+  explicit AtomicFile(const std::filesystem::path& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Appends at the end. Throws Error(output), for instance on a full disk.
+  void append(std::span<const std::byte> bytes);
+  /// Overwrites bytes already written, at `offset` from the start.
+  void write_at(uint64_t offset, std::span<const std::byte> bytes);
+  uint64_t size() const { return size_; }
+  void commit();
+
+  /// The temporary's path, for libraries that insist on opening a file themselves.
+  const std::filesystem::path& temporary() const { return temporary_; }
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  int descriptor_ = -1;
+  uint64_t size_ = 0;
+};
+
+/// Writes `bytes` to `path` through an AtomicFile.
+void write_file_atomic(const std::filesystem::path& path, std::span<const std::byte> bytes);
+void write_file_atomic(const std::filesystem::path& path, const std::string& text);
+
+/// The whole of a text file. Throws Error(input) when it cannot be read and Error(limit) when it is
+/// larger than `max_bytes`.
+std::string read_text_file(const std::filesystem::path& path, uint64_t max_bytes);
+
+}  // namespace relume

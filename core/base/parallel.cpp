@@ -1,0 +1,65 @@
+#include "core/base/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+
+// ThreadSanitizer cannot see inside oneTBB, which Debian builds without it. This file is compiled
+// without instrumentation and tells it the two edges that matter: fork before body, body before join.
+#if defined(RELUME_TSAN)
+extern "C" void __tsan_acquire(void*);
+extern "C" void __tsan_release(void*);
+#else
+static inline void __tsan_acquire(void*) {}
+static inline void __tsan_release(void*) {}
+#endif
+
+namespace relume {
+namespace {
+
+int limit_from_user = 0;
+
+std::unique_ptr<tbb::global_control>& global_limit() {
+  static std::unique_ptr<tbb::global_control> limit;
+  return limit;
+}
+
+}  // namespace
+
+void set_thread_count(int count) {
+  limit_from_user = std::max(0, count);
+  global_limit().reset();
+  if (limit_from_user > 0) {
+    global_limit() = std::make_unique<tbb::global_control>(
+        tbb::global_control::max_allowed_parallelism, static_cast<size_t>(limit_from_user));
+  }
+}
+
+int thread_count() {
+  return limit_from_user > 0 ? limit_from_user : tbb::info::default_concurrency();
+}
+
+void parallel_for(size_t count, size_t grain,
+                  const std::function<void(size_t begin, size_t end)>& body) {
+  if (count == 0) return;
+  char fork_edge = 0;
+  char join_edge = 0;
+  __tsan_release(&fork_edge);
+  // Isolated: a thread that waits here does not pick up another loop's work while it holds locks.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, std::max<size_t>(1, grain)),
+                      [&](const tbb::blocked_range<size_t>& range) {
+                        __tsan_acquire(&fork_edge);
+                        body(range.begin(), range.end());
+                        __tsan_release(&join_edge);
+                      });
+  });
+  __tsan_acquire(&join_edge);
+}
+
+}  // namespace relume

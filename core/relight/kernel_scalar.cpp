@@ -1,0 +1,2 @@
+#define RELUME_ISA scalar
+#include "core/relight/kernel_body.h"

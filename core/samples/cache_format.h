@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/samples/relight_cache.h"
+
+namespace relume {
+
+// The .relume file, version 1, little-endian (docs/cache-format.md):
+//   CacheHeader | tile chunks, each 64-byte aligned | info | TileEntry[tile_count]
+// A tile chunk: data (floats, see PackedBlock), block headers, coverage bytes.
+// A block header: u32 first float of the block's data | u8 lanes | u8 pixels[16] | pad to 24 |
+// u16 slots[type_count] | pad to 8.
+
+inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
+inline constexpr uint32_t cache_version = 1;
+inline constexpr uint32_t cache_endian_mark = 0x01020304;
+inline constexpr int max_image_side = 16384;  ///< pixels
+inline constexpr int max_slots = 4096;        ///< of one type in one block: samples a pixel
+
+struct CacheHeader {
+  std::array<char, 8> magic = cache_magic;
+  uint32_t version = cache_version;
+  uint32_t endian = cache_endian_mark;
+  uint64_t file_size = 0;
+  uint64_t info_offset = 0;
+  uint64_t info_size = 0;
+  uint64_t directory_offset = 0;
+  uint64_t tile_count = 0;
+  uint64_t index_hash = 0;  ///< XXH3 of info and directory, seeded with the fields above
+};
+static_assert(sizeof(CacheHeader) == 64);
+
+struct TileEntry {
+  uint16_t x0 = 0;
+  uint16_t y0 = 0;
+  uint16_t width = 0;
+  uint16_t height = 0;
+  uint32_t block_count = 0;
+  uint32_t reserved = 0;
+  uint64_t offset = 0;           ///< of the chunk in the file, a multiple of 64
+  uint64_t data_floats = 0;      ///< then the block headers start
+  uint64_t size = 0;             ///< bytes of the chunk
+  uint64_t hash = 0;             ///< XXH3 of the chunk
+};
+static_assert(sizeof(TileEntry) == 48);
+
+inline constexpr size_t block_slots_offset = 24;
+
+/// Bytes of one block header.
+constexpr size_t block_stride(size_t type_count) {
+  return (block_slots_offset + 2 * type_count + 7) / 8 * 8;
+}
+
+/// XXH3 of `bytes`.
+uint64_t hash_bytes(std::span<const std::byte> bytes, uint64_t seed = 0);
+
+/// Hash of header fields, info and directory.
+uint64_t index_hash(const CacheHeader& header, std::span<const std::byte> info,
+                    std::span<const std::byte> directory);
+
+/// CacheInfo as bytes, and back. The reader throws Error(input) on anything that does not fit; every
+/// count is checked against the bytes left before memory is taken.
+std::vector<std::byte> encode_info(const CacheInfo& info);
+CacheInfo decode_info(std::span<const std::byte> bytes, std::span<const ShaderInfo* const> shaders,
+                      const std::string& place);
+
+}  // namespace relume

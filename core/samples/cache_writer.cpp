@@ -1,0 +1,94 @@
+#include "core/samples/cache_writer.h"
+
+#include <cstring>
+
+#include "core/base/check.h"
+
+namespace relume {
+namespace {
+
+constexpr size_t align_up(size_t size) { return (size + 63) / 64 * 64; }
+
+void append_to(std::vector<std::byte>& chunk, std::span<const std::byte> bytes) {
+  chunk.insert(chunk.end(), bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+// Both start with an empty header, which finish() overwrites.
+CacheWriter::CacheWriter() {
+  const CacheHeader header;
+  append(std::as_bytes(std::span(&header, 1)));
+}
+
+CacheWriter::CacheWriter(const std::filesystem::path& path) : file_(std::in_place, path) {
+  const CacheHeader header;
+  append(std::as_bytes(std::span(&header, 1)));
+}
+
+void CacheWriter::append(std::span<const std::byte> bytes) {
+  if (file_) {
+    file_->append(bytes);
+  } else {
+    memory_.resize(align_up(size_ + bytes.size()) / 64);
+    std::memcpy(reinterpret_cast<std::byte*>(memory_.data()) + size_, bytes.data(), bytes.size());
+  }
+  size_ += bytes.size();
+}
+
+void CacheWriter::overwrite_header(const CacheHeader& header) {
+  const auto bytes = std::as_bytes(std::span(&header, 1));
+  if (file_) {
+    file_->write_at(0, bytes);
+  } else {
+    std::memcpy(memory_.data(), bytes.data(), bytes.size());
+  }
+}
+
+void CacheWriter::add(const PackedTileData& tile) {
+  std::vector<std::byte> chunk;
+  append_to(chunk, std::as_bytes(std::span(tile.data)));
+  append_to(chunk, tile.blocks);
+  append_to(chunk, std::as_bytes(std::span(tile.coverage)));
+  chunk.resize(align_up(chunk.size()));
+  CHECK_MSG(size_ % 64 == 0, "size {}", size_);
+  TileEntry entry;
+  entry.x0 = static_cast<uint16_t>(tile.x0);
+  entry.y0 = static_cast<uint16_t>(tile.y0);
+  entry.width = static_cast<uint16_t>(tile.width);
+  entry.height = static_cast<uint16_t>(tile.height);
+  entry.block_count = tile.block_count;
+  entry.offset = size_;
+  entry.data_floats = tile.data.size();
+  entry.size = chunk.size();
+  entry.hash = hash_bytes(chunk);
+  directory_.push_back(entry);
+  record_count_ += tile.record_count;
+  append(chunk);
+}
+
+void CacheWriter::finish(CacheInfo info) {
+  info.record_count = record_count_;
+  CacheHeader header;
+  const std::vector<std::byte> encoded = encode_info(info);
+  header.info_offset = size_;
+  header.info_size = encoded.size();
+  std::vector<std::byte> padded = encoded;
+  padded.resize(align_up(padded.size()));
+  append(padded);
+  header.directory_offset = size_;
+  header.tile_count = directory_.size();
+  const auto directory = std::as_bytes(std::span(directory_));
+  append(directory);
+  header.file_size = size_;
+  header.index_hash = index_hash(header, encoded, directory);
+  overwrite_header(header);
+  if (file_) file_->commit();
+}
+
+CacheBytes CacheWriter::take_bytes() {
+  CHECK(!file_);
+  return std::move(memory_);
+}
+
+}  // namespace relume

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "core/samples/cache_format.h"
+#include "core/samples/pack.h"
+
+namespace relume {
+
+/// Writes a cache tile by tile, into a file (crash-safe: temporary, fsync, rename) or into memory.
+/// Tiles must come in a fixed order; the bytes then depend on the tiles and the info alone.
+class CacheWriter {
+ public:
+  /// Into memory.
+  CacheWriter();
+  /// Into `path`. Throws Error(output).
+  explicit CacheWriter(const std::filesystem::path& path);
+
+  void add(const PackedTileData& tile);
+
+  /// Writes info and directory. Counts of samples come in with `info`; records are counted here.
+  /// File: renames it into place. Memory: take the result with take_bytes().
+  void finish(CacheInfo info);
+  CacheBytes take_bytes();
+
+ private:
+  void append(std::span<const std::byte> bytes);
+  void overwrite_header(const CacheHeader& header);
+
+  std::optional<AtomicFile> file_;
+  CacheBytes memory_;
+  uint64_t size_ = 0;
+  uint64_t record_count_ = 0;
+  std::vector<TileEntry> directory_;
+};
+
+}  // namespace relume

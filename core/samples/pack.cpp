@@ -1,0 +1,108 @@
+#include "core/samples/pack.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/base/check.h"
+#include "core/samples/cache_format.h"
+
+namespace relume {
+namespace {
+
+uint32_t rows_of(const TypedRows& rows, int pixel) { return rows.first[pixel + 1] - rows.first[pixel]; }
+
+/// The tile's pixels that have records, sorted by record counts type by type, then by position.
+std::vector<int> sorted_pixels(const SampleTile& tile) {
+  std::vector<int> pixels;
+  for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
+    const bool any = std::any_of(tile.types.begin(), tile.types.end(),
+                                 [&](const TypedRows& rows) { return rows_of(rows, pixel) > 0; });
+    if (any) pixels.push_back(pixel);
+  }
+  std::stable_sort(pixels.begin(), pixels.end(), [&](int a, int b) {
+    for (const TypedRows& rows : tile.types) {
+      const uint32_t count_a = rows_of(rows, a);
+      const uint32_t count_b = rows_of(rows, b);
+      if (count_a != count_b) return count_a > count_b;
+    }
+    return false;
+  });
+  return pixels;
+}
+
+/// Writes one slot: record `slot` of each lane's pixel; lanes without one get weight 0 and the values
+/// of the first lane that has one.
+void pack_slot(const TypedRows& rows, std::span<const int> lanes, uint32_t slot, int width,
+               float* out) {
+  size_t filler = 0;
+  while (rows_of(rows, lanes[filler]) <= slot) ++filler;
+  for (size_t lane = 0; lane < block_lanes; ++lane) {
+    const bool present = lane < lanes.size() && rows_of(rows, lanes[lane]) > slot;
+    const size_t row = size_t{rows.first[lanes[present ? lane : filler]]} + slot;
+    out[lane] = present ? rows.weights[row] : 0.0f;
+    const float* values = &rows.values[row * width];
+    for (int i = 0; i < width; ++i) out[(1 + i) * block_lanes + lane] = values[i];
+  }
+}
+
+void pack_block(const SampleTile& tile, std::span<const SampleType> types,
+                std::span<const int> lanes, PackedTileData& packed) {
+  std::vector<std::byte> header(block_stride(types.size()));
+  const auto first_float = static_cast<uint32_t>(packed.data.size());
+  CHECK(packed.data.size() < uint64_t{1} << 32);
+  std::memcpy(header.data(), &first_float, sizeof(first_float));
+  header[4] = static_cast<std::byte>(lanes.size());
+  for (size_t lane = 0; lane < block_lanes; ++lane) {
+    const int pixel = lanes[lane < lanes.size() ? lane : 0];
+    header[5 + lane] =
+        static_cast<std::byte>(pixel / tile.width * tile_size + pixel % tile.width);
+  }
+  for (size_t t = 0; t < types.size(); ++t) {
+    const TypedRows& rows = tile.types[t];
+    uint32_t slots = 0;
+    for (const int pixel : lanes) {
+      slots = std::max(slots, rows_of(rows, pixel));
+      packed.record_count += rows_of(rows, pixel);
+    }
+    const auto stored = static_cast<uint16_t>(slots);
+    std::memcpy(&header[block_slots_offset + 2 * t], &stored, sizeof(stored));
+    const size_t slot_floats = size_t(1 + types[t].width) * block_lanes;
+    const size_t start = packed.data.size();
+    packed.data.resize(start + slots * slot_floats);
+    for (uint32_t slot = 0; slot < slots; ++slot) {
+      pack_slot(rows, lanes, slot, types[t].width, &packed.data[start + slot * slot_floats]);
+    }
+  }
+  packed.blocks.insert(packed.blocks.end(), header.begin(), header.end());
+  ++packed.block_count;
+}
+
+}  // namespace
+
+PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> types) {
+  CHECK_MSG(records.types.size() == types.size(), "{} {}", records.types.size(), types.size());
+  PackedTileData packed;
+  packed.x0 = records.x0;
+  packed.y0 = records.y0;
+  packed.width = records.width;
+  packed.height = records.height;
+  const std::vector<int> pixels = sorted_pixels(records);
+  for (size_t i = 0; i < pixels.size(); i += block_lanes) {
+    const size_t lanes = std::min<size_t>(block_lanes, pixels.size() - i);
+    pack_block(records, types, std::span(pixels).subspan(i, lanes), packed);
+  }
+  for (int pixel = 0; pixel < records.pixel_count(); ++pixel) {
+    float coverage = 0;
+    for (const TypedRows& rows : records.types) {
+      for (uint32_t row = rows.first[pixel]; row < rows.first[pixel + 1]; ++row) {
+        coverage += rows.weights[row];
+      }
+    }
+    // A pixel with any record counts as covered, however little.
+    const float code = std::min(255.0f, std::ceil(coverage * 255.0f - 0.5f));
+    packed.coverage.push_back(static_cast<uint8_t>(coverage > 0 ? std::max(1.0f, code) : 0.0f));
+  }
+  return packed;
+}
+
+}  // namespace relume

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/samples/relight_cache.h"
+#include "core/samples/sample_tile.h"
+
+namespace relume {
+
+/// A tile in the cache's own layout, ready to be written.
+struct PackedTileData {
+  int x0 = 0;
+  int y0 = 0;
+  int width = 0;
+  int height = 0;
+  uint32_t block_count = 0;
+  uint64_t record_count = 0;
+  std::vector<float> data;
+  std::vector<std::byte> blocks;    ///< block_count headers
+  std::vector<uint8_t> coverage;    ///< width * height
+};
+
+/// Packs the records of a tile, one SIMD lane a pixel: pixels are sorted by how many records they
+/// have of each type and cut into blocks of 16, so that lanes of a block stay full; pixels without
+/// records vanish. Deterministic.
+PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> types);
+
+}  // namespace relume

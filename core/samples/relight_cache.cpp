@@ -1,0 +1,144 @@
+#include "core/samples/relight_cache.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/samples/cache_format.h"
+#include "core/samples/sample_tile.h"
+
+namespace relume {
+namespace {
+
+[[noreturn]] void corrupt(const std::string& place, const std::string& what) {
+  throw input_error(place, "corrupt cache: " + what, "prepare the scene again");
+}
+
+/// True when [offset, offset + size) lies within `total`, without overflow.
+bool inside(uint64_t offset, uint64_t size, uint64_t total) {
+  return offset <= total && size <= total - offset;
+}
+
+CacheHeader read_header(std::span<const std::byte> bytes, const std::string& place) {
+  CacheHeader header;
+  if (bytes.size() < sizeof(header)) corrupt(place, "it is shorter than a header");
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  if (header.magic != cache_magic) {
+    throw input_error(place, "is not a .relume cache", "make one with relume prepare");
+  }
+  if (header.endian != cache_endian_mark || header.version != cache_version) {
+    throw input_error(place, fmt::format("has cache version {}, not {}", header.version, cache_version),
+                      "prepare the scene again with this program");
+  }
+  // In memory the last chunk may be padded; a file has the exact size.
+  if (header.file_size > bytes.size() || bytes.size() - header.file_size >= 64) {
+    corrupt(place, fmt::format("{} bytes long instead of {}", bytes.size(), header.file_size));
+  }
+  if (!inside(header.info_offset, header.info_size, header.file_size) ||
+      header.tile_count > header.file_size / sizeof(TileEntry) ||
+      !inside(header.directory_offset, header.tile_count * sizeof(TileEntry), header.file_size)) {
+    corrupt(place, "its index lies outside the file");
+  }
+  return header;
+}
+
+}  // namespace
+
+RelightCache RelightCache::open(const std::filesystem::path& path,
+                                std::span<const ShaderInfo* const> shaders) {
+  RelightCache cache;
+  cache.file_ = MappedFile(path);
+  cache.bytes_ = cache.file_.bytes();
+  cache.parse(shaders, path.string());
+  return cache;
+}
+
+RelightCache RelightCache::from_bytes(CacheBytes bytes, std::span<const ShaderInfo* const> shaders,
+                                      const std::string& place) {
+  RelightCache cache;
+  cache.memory_ = std::move(bytes);
+  cache.bytes_ = std::as_bytes(std::span(cache.memory_));
+  cache.parse(shaders, place);
+  return cache;
+}
+
+PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& place) const {
+  const uint64_t pixels = uint64_t{entry.width} * entry.height;
+  const size_t stride = block_stride(info_.types.size());
+  if (entry.width < 1 || entry.width > tile_size || entry.height < 1 || entry.height > tile_size ||
+      entry.x0 + entry.width > info_.width || entry.y0 + entry.height > info_.height ||
+      entry.offset % 64 != 0 || !inside(entry.offset, entry.size, bytes_.size()) ||
+      entry.data_floats > entry.size / sizeof(float) || entry.block_count > pixels ||
+      !inside(entry.data_floats * sizeof(float), entry.block_count * stride + pixels, entry.size)) {
+    corrupt(place, "a tile lies outside the file or the image");
+  }
+  const std::byte* start = bytes_.data() + entry.offset;
+  if (hash_bytes({start, entry.size}) != entry.hash) corrupt(place, "a checksum does not match");
+  PackedTile tile{entry.x0, entry.y0, entry.width, entry.height, static_cast<int>(entry.block_count)};
+  tile.data = reinterpret_cast<const float*>(start);
+  tile.blocks = start + entry.data_floats * sizeof(float);
+  tile.coverage = reinterpret_cast<const uint8_t*>(tile.blocks + entry.block_count * stride);
+  for (int b = 0; b < tile.block_count; ++b) {
+    uint32_t first_float = 0;
+    std::memcpy(&first_float, tile.blocks + b * stride, sizeof(first_float));
+    uint64_t floats = 0;
+    const PackedBlock header = block(tile, b);
+    for (size_t t = 0; t < info_.types.size(); ++t) {
+      if (header.slots[t] > max_slots) corrupt(place, "a block has too many slots");
+      floats += uint64_t{header.slots[t]} * (1 + info_.types[t].width) * block_lanes;
+    }
+    bool ok = header.lanes >= 1 && header.lanes <= block_lanes &&
+              inside(first_float, floats, entry.data_floats);
+    for (int lane = 0; lane < block_lanes; ++lane) {
+      ok = ok && header.pixels[lane] % tile_size < entry.width &&
+           header.pixels[lane] / tile_size < entry.height;
+    }
+    if (!ok) corrupt(place, "a block lies outside its tile");
+  }
+  return tile;
+}
+
+void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::string& place) {
+  const CacheHeader header = read_header(bytes_, place);
+  bytes_ = bytes_.first(header.file_size);
+  const auto info = bytes_.subspan(header.info_offset, header.info_size);
+  const auto directory =
+      bytes_.subspan(header.directory_offset, header.tile_count * sizeof(TileEntry));
+  if (index_hash(header, info, directory) != header.index_hash) {
+    corrupt(place, "the index checksum does not match");
+  }
+  info_ = decode_info(info, shaders, place);
+  tiles_.resize(header.tile_count);
+  parallel_for(header.tile_count, 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      TileEntry entry;
+      std::memcpy(&entry, directory.data() + i * sizeof(entry), sizeof(entry));
+      tiles_[i] = check_tile(entry, place);
+    }
+  });
+}
+
+PackedBlock RelightCache::block(const PackedTile& tile, int index) const {
+  const std::byte* header = tile.blocks + index * block_stride(info_.types.size());
+  uint32_t first_float = 0;
+  std::memcpy(&first_float, header, sizeof(first_float));
+  return {tile.data + first_float, reinterpret_cast<const uint16_t*>(header + block_slots_offset),
+          reinterpret_cast<const uint8_t*>(header + 5), static_cast<int>(header[4])};
+}
+
+std::vector<float> RelightCache::coverage() const {
+  std::vector<float> result(static_cast<size_t>(info_.width) * info_.height);
+  for (const PackedTile& tile : tiles_) {
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) {
+        const size_t pixel = static_cast<size_t>(tile.y0 + y) * info_.width + tile.x0 + x;
+        result[pixel] = static_cast<float>(tile.coverage[y * tile.width + x]) / 255.0f;
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace relume

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/file.h"
+#include "core/math/vec.h"
+#include "core/samples/sample_type.h"
+
+namespace relume {
+
+inline constexpr int block_lanes = 16;  ///< pixels of a block; one SIMD lane is one pixel
+inline constexpr int max_sample_types = 64;
+
+/// Memory of a cache that was not read from a file, in aligned pieces.
+struct alignas(64) CacheChunk {
+  std::byte bytes[64];
+};
+using CacheBytes = std::vector<CacheChunk>;
+
+/// All that a cache says about itself, as stored in its header. Everything needed to relight without
+/// the scene, and the scene's text so that traced shadows can be had from it.
+struct CacheInfo {
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  Camera camera;
+  std::vector<SampleType> types;
+  Bounds bounds;              ///< of the scene, world
+  std::string method;         ///< reduction label: "kmeans", "pure", ..., "all" = not reduced
+  int records = 0;            ///< k asked for per pixel
+  int spp = 0;                ///< samples per pixel taken
+  uint64_t seed = 0;
+  uint64_t sample_count = 0;  ///< samples that hit, before reduction
+  uint64_t record_count = 0;  ///< records stored, padding excluded
+  std::string scene_name;
+  std::string scene_file;     ///< absolute path or built-in label
+  std::string scene_text;     ///< the scene file's text
+  std::vector<Light> lights;  ///< the scene's lights when prepared
+  Light representative_low;
+  Light representative_high;
+  float exposure = 0;
+};
+
+struct TileEntry;  // core/samples/cache_format.h
+
+/// Sixteen pixels of a tile. For each type t in order it has slots[t] slots; a slot holds, for each of
+/// 16 lanes, one record: 16 weights, then 16 floats for each of the type's `width` components.
+/// Missing records have weight 0 and the values of some record of the same slot (always finite).
+struct PackedBlock {
+  const float* data;         ///< first slot, 64-byte aligned within the cache
+  const uint16_t* slots;     ///< per type
+  const uint8_t* pixels;     ///< per lane: y * tile_size + x within the tile
+  int lanes;                 ///< lanes in use, 1..16; the others repeat lane 0's pixel with weight 0
+};
+
+/// Read access to one tile of a cache.
+struct PackedTile {
+  int x0 = 0;
+  int y0 = 0;
+  int width = 0;
+  int height = 0;
+  int block_count = 0;
+  const std::byte* blocks = nullptr;  ///< block headers, see core/samples/cache_format.h
+  const float* data = nullptr;
+  const uint8_t* coverage = nullptr;  ///< per pixel of the tile, row-major: round(255 * coverage)
+};
+
+/// The packed, immutable records of one view: a memory-mapped .relume file or the same bytes in
+/// memory. Thread-safe.
+class RelightCache {
+ public:
+  /// Opens and checks a file: magic, version, every count and offset, checksums. Throws Error(input)
+  /// or Error(limit); nothing is allocated that the file's own size does not justify. `shaders` is
+  /// the program's table: a cache that names a shader or fields it lacks is refused.
+  static RelightCache open(const std::filesystem::path& path,
+                           std::span<const ShaderInfo* const> shaders);
+  /// The same over the bytes of a whole cache in memory; `place` is used in messages.
+  static RelightCache from_bytes(CacheBytes bytes, std::span<const ShaderInfo* const> shaders,
+                                 const std::string& place);
+
+  const CacheInfo& info() const { return info_; }
+  std::span<const PackedTile> tiles() const { return tiles_; }
+  PackedBlock block(const PackedTile& tile, int index) const;
+  /// Bytes of the whole cache, header included.
+  size_t size_bytes() const { return bytes_.size(); }
+  /// Fraction of each pixel that geometry covers, row-major, in [0, 1] (8-bit precision).
+  std::vector<float> coverage() const;
+
+ private:
+  RelightCache() = default;
+  void parse(std::span<const ShaderInfo* const> shaders, const std::string& place);
+  PackedTile check_tile(const TileEntry& entry, const std::string& place) const;
+
+  MappedFile file_;
+  CacheBytes memory_;
+  std::span<const std::byte> bytes_;
+  CacheInfo info_;
+  std::vector<PackedTile> tiles_;
+};
+
+}  // namespace relume

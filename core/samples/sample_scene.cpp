@@ -1,0 +1,130 @@
+#include "core/samples/sample_scene.h"
+
+#include "core/base/check.h"
+#include "core/trace/texture_lookup.h"
+
+namespace relume {
+namespace {
+
+RareEvent dropped_samples("samples dropped: a value was not finite");
+
+ResolvedParameter resolve_parameter(const Material& material, const SampleField& field) {
+  ResolvedParameter resolved{vec3(field.initial), -1, field.name == "diffuse"};
+  for (const MaterialParameter& parameter : material.parameters) {
+    if (parameter.name != field.name) continue;
+    resolved.value = parameter.value;
+    resolved.texture = parameter.texture;
+  }
+  return resolved;
+}
+
+std::vector<std::vector<ResolvedParameter>> resolve_parameters(const Scene& scene) {
+  std::vector<std::vector<ResolvedParameter>> parameters;
+  for (const Material& material : scene.materials) {
+    std::vector<ResolvedParameter>& fields = parameters.emplace_back();
+    for (const SampleField& field : scene.shaders[material.shader]->fields) {
+      fields.push_back(resolve_parameter(material, field));
+    }
+  }
+  return parameters;
+}
+
+vec3 material_value(const Scene& scene, const ResolvedParameter& parameter,
+                    const SurfacePoint& point) {
+  vec3 value = parameter.value;
+  if (parameter.texture >= 0) {
+    value *= vec3(lookup_texture(scene.textures[parameter.texture], point.uv));
+  }
+  return parameter.strand_color ? value * point.color_scale : value;
+}
+
+vec3 field_value(const Scene& scene, const SampleField& field, const ResolvedParameter& parameter,
+                 const SurfacePoint& point) {
+  switch (field.source) {
+    case FieldSource::position:
+      return point.position;
+    case FieldSource::bias:
+      return vec3(point.bias);
+    case FieldSource::normal:
+      return point.shading_normal;
+    case FieldSource::tangent:
+      return point.tangent;
+    case FieldSource::material:
+      return material_value(scene, parameter, point);
+  }
+  return vec3(0);
+}
+
+/// Appends the sample vector; leaves `rows` as it was and returns false when a value is not finite.
+bool append_sample(const ViewSampler& view, const SampleType& type, const SurfacePoint& point,
+                   float weight, TypedRows& rows) {
+  const std::vector<ResolvedParameter>& parameters = view.parameters[point.material];
+  const size_t start = rows.values.size();
+  rows.values.resize(start + type.width);
+  for (size_t i = 0; i < type.field_count(); ++i) {
+    const SampleField& field = type.field(i);
+    const vec3 value = field_value(*view.scene, field, parameters[i], point);
+    for (int c = 0; c < field.width; ++c) {
+      if (!is_finite(value[c])) {
+        rows.values.resize(start);
+        dropped_samples.add();
+        return false;
+      }
+      rows.values[start + type.offsets[i] + c] = value[c];
+    }
+  }
+  rows.weights.push_back(weight);
+  return true;
+}
+
+int tiles_across(int pixels) { return (pixels + tile_size - 1) / tile_size; }
+
+}  // namespace
+
+ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int width, int height,
+                              int spp, uint64_t seed) {
+  return {&scene,
+          &tracer,
+          make_sample_types(scene),
+          CameraRays(scene.camera, width, height),
+          make_pixel_strata(spp),
+          seed,
+          width,
+          height,
+          resolve_parameters(scene)};
+}
+
+int tile_count(const ViewSampler& view) {
+  return tiles_across(view.width) * tiles_across(view.height);
+}
+
+SampleTile sample_tile(const ViewSampler& view, int index) {
+  const int across = tiles_across(view.width);
+  SampleTile tile;
+  tile.x0 = index % across * tile_size;
+  tile.y0 = index / across * tile_size;
+  tile.width = std::min(tile_size, view.width - tile.x0);
+  tile.height = std::min(tile_size, view.height - tile.y0);
+  tile.types.resize(view.types.types.size());
+  for (TypedRows& rows : tile.types) rows.first.push_back(0);
+  const float weight = 1.0f / static_cast<float>(view.strata.spp);
+  std::vector<vec2> positions;
+  for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
+    const int x = tile.x0 + pixel % tile.width;
+    const int y = tile.y0 + pixel / tile.width;
+    positions.clear();
+    sample_pixel(view.strata, view.seed,
+                 static_cast<uint64_t>(y) * static_cast<uint64_t>(view.width) + x, positions);
+    for (const vec2 offset : positions) {
+      const Ray ray{.origin = view.rays.eye(), .direction = view.rays.direction(vec2(x, y) + offset)};
+      const std::optional<SurfacePoint> point = view.tracer->intersect(ray);
+      if (!point) continue;
+      const uint16_t type = view.types.type_of_material[point->material];
+      append_sample(view, view.types.types[type], *point, weight, tile.types[type]);
+    }
+    for (TypedRows& rows : tile.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));
+  }
+  return tile;
+}
+
+}  // namespace relume

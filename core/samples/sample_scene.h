@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/samples/sample_tile.h"
+#include "core/trace/pixel_sampler.h"
+#include "core/trace/tracer.h"
+
+namespace relume {
+
+/// A material's value for one field of its type.
+struct ResolvedParameter {
+  vec3 value{0};
+  int texture = -1;          ///< index into Scene::textures, multiplies the value, or -1
+  bool strand_color = false; ///< multiplied by the strand's own colour
+};
+
+/// Everything that sampling a view needs; built once, then read by all threads.
+struct ViewSampler {
+  const Scene* scene;
+  const Tracer* tracer;
+  SampleTypes types;
+  CameraRays rays;
+  PixelStrata strata;
+  uint64_t seed;
+  int width;   ///< pixels
+  int height;  ///< pixels
+  std::vector<std::vector<ResolvedParameter>> parameters;  ///< per material, per field of its type
+};
+
+ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int width, int height,
+                              int spp, uint64_t seed);
+
+/// Number of tiles of the view, row by row.
+int tile_count(const ViewSampler& view);
+
+/// Samples tile `index` of the view: traces strata.spp rays a pixel and turns each hit into the
+/// sample vector of its material's type, with textures baked in, weight 1 / spp. Misses leave
+/// nothing: they only lower the coverage. Every stored value is finite; a hit that would break that
+/// is dropped and counted. A function of (scene, view, index) alone.
+SampleTile sample_tile(const ViewSampler& view, int index);
+
+}  // namespace relume

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/samples/sample_type.h"
+
+namespace relume {
+
+inline constexpr int tile_size = 16;  ///< pixels; tiles at the right and bottom edge are smaller
+
+/// All vectors of one type in a tile, pixel by pixel. Row r is values[r * width, (r + 1) * width).
+struct TypedRows {
+  std::vector<float> values;    ///< rows x width
+  std::vector<float> weights;   ///< rows; > 0
+  std::vector<uint32_t> first;  ///< pixels + 1: pixel p owns rows [first[p], first[p + 1])
+
+  size_t rows() const { return weights.size(); }
+};
+
+/// A tile of the deep framebuffer: the typed sample vectors of up to 16 x 16 pixels, in sampling
+/// order within a pixel and type. The same shape holds the tile's reduced records: then a row is a
+/// record. The weights of a pixel, over all types, sum to its coverage (samples that hit / spp).
+struct SampleTile {
+  int x0 = 0;  ///< pixels, top left
+  int y0 = 0;
+  int width = 0;
+  int height = 0;
+  std::vector<TypedRows> types;  ///< parallel to SampleTypes::types
+
+  int pixel_count() const { return width * height; }
+  size_t row_count() const {
+    size_t count = 0;
+    for (const TypedRows& rows : types) count += rows.rows();
+    return count;
+  }
+};
+
+}  // namespace relume

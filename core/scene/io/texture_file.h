@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/scene/scene.h"
+
+namespace relume {
+
+/// The index in scene.textures of the image at `path`, decoded once per (path, srgb). Throws
+/// Error(input) when it is missing or corrupt (`place` names who refers to it) and Error(limit)
+/// above 16384 x 16384. Declared here, defined in core/image/image_io.cpp, the only OpenImageIO.
+int add_texture(Scene& scene, const std::filesystem::path& path, bool srgb,
+                const std::string& place);
+
+}  // namespace relume

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/base/label.h"
+#include "core/math/vec.h"
+
+namespace relume {
+
+enum class LightType { point, spot, directional };
+
+inline constexpr std::array light_type_labels = {
+    Label<LightType>{LightType::point, "point"},
+    Label<LightType>{LightType::spot, "spot"},
+    Label<LightType>{LightType::directional, "directional"},
+};
+
+/// One light. Geometry (type, position, direction, cone, falloff) decides a light's layer; gain,
+/// colour and mute only weigh it, so changing them never reshades (sec. "Lights" of the design).
+struct Light {
+  std::string name = "light";
+  LightType type = LightType::point;
+  vec3 position{0, 0, 0};     ///< world; point and spot
+  vec3 direction{0, -1, 0};   ///< world, the way the light travels, any length > 0; spot, directional
+  float inner_angle_deg = 20; ///< spot: half angle of the full-intensity cone, [0, outer]
+  float outer_angle_deg = 30; ///< spot: half angle where it reaches zero, (0, 90]
+  /// Inverse-square falloff: irradiance = color * gain / d^2. Off: irradiance = color * gain at any
+  /// distance. Directional lights have none.
+  bool falloff = true;
+  vec3 color{1, 1, 1};  ///< scene-linear, >= 0
+  float gain = 1;       ///< radiant intensity (falloff on) or irradiance (off) per unit colour, >= 0
+  bool mute = false;
+  bool casts_shadow = true;
+
+  /// The weight of the light's layer: color * gain, or 0 when muted.
+  vec3 weight() const { return mute ? vec3(0) : color * gain; }
+};
+
+/// Throws Error(input) that names `place` and the field when a parameter is not finite or out of
+/// range.
+void validate_light(const Light& light, const std::string& place);
+
+/// True when two lights shade the same layer, that is differ in weight or name only.
+bool same_layer(const Light& a, const Light& b);
+
+/// A random light between two representatives (TR2007-600 sec. 3.2): position, direction, angles,
+/// colour and gain are interpolated independently of each other, each vector component by itself, so
+/// the two bound a box. Deterministic in (seed, index).
+Light interpolate_light(const Light& low, const Light& high, uint64_t seed, uint64_t index);
+
+}  // namespace relume

@@ -1,0 +1,248 @@
+#pragma once
+
+// The vector unit, wrapped once. A source file that holds kernels for one instruction set defines
+// RELUME_ISA to that set's name before including this header. Everything here lies in a namespace of
+// that name: the linker can never merge code built for different instruction sets. Such a file must
+// not call inline functions from elsewhere (std::, glm::) in its kernels, for the same reason.
+
+#ifndef RELUME_ISA
+#error "define RELUME_ISA (scalar, sse42, avx2, avx512) before including core/simd/pack.h"
+#endif
+
+#if defined(__SSE4_2__)
+#include <immintrin.h>
+#endif
+
+#include <cstdint>
+
+namespace relume::RELUME_ISA {
+
+#if defined(__AVX512F__)
+inline constexpr int native_width = 16;
+#elif defined(__AVX2__)
+inline constexpr int native_width = 8;
+#elif defined(__SSE4_2__) || defined(__ARM_NEON)
+inline constexpr int native_width = 4;
+#else
+inline constexpr int native_width = 1;
+#endif
+
+/// Storage of W lanes: a compiler vector, or a plain number for W = 1.
+template <class T, int W>
+struct Lanes {
+  typedef T type __attribute__((vector_size(sizeof(T) * W)));
+};
+template <class T>
+struct Lanes<T, 1> {
+  using type = T;
+};
+
+/// An explicit mask: one bool per lane, as the compiler's all-ones or all-zeros integers.
+template <int W>
+struct Mask {
+  typename Lanes<int32_t, W>::type v;
+};
+template <>
+struct Mask<1> {
+  bool v;
+};
+
+/// W floats. Arithmetic is lane by lane and IEEE; there is no implicit contraction.
+template <int W>
+struct Pack {
+  using Vector = typename Lanes<float, W>::type;
+  Vector v;
+
+  Pack() = default;
+  Pack(float x) : v(x - Vector{}) {}  // NOLINT: broadcast is meant to be implicit
+  explicit Pack(Vector x, int) : v(x) {}
+
+  static Pack load(const float* p) {
+    Pack r;
+    __builtin_memcpy(&r.v, p, sizeof(Vector));
+    return r;
+  }
+  void store(float* p) const { __builtin_memcpy(p, &v, sizeof(Vector)); }
+};
+template <int W>
+Pack<W> make_pack(typename Pack<W>::Vector v) {
+  return Pack<W>(v, 0);
+}
+
+template <int W>
+Pack<W> operator+(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v + b.v); }
+template <int W>
+Pack<W> operator-(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v - b.v); }
+template <int W>
+Pack<W> operator*(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v * b.v); }
+template <int W>
+Pack<W> operator/(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v / b.v); }
+template <int W>
+Mask<W> operator>(Pack<W> a, Pack<W> b) { return {a.v > b.v}; }
+template <int W>
+Mask<W> operator<(Pack<W> a, Pack<W> b) { return {a.v < b.v}; }
+
+/// Per lane: mask ? a : b.
+template <int W>
+Pack<W> select(Mask<W> mask, Pack<W> a, Pack<W> b) { return make_pack<W>(mask.v ? a.v : b.v); }
+
+/// a > b ? a : b: a NaN in `a` gives b.
+template <int W>
+Pack<W> max(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v > b.v ? a.v : b.v); }
+/// a < b ? a : b: a NaN in `a` gives b.
+template <int W>
+Pack<W> min(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v < b.v ? a.v : b.v); }
+
+/// a * b + c, rounded once where the machine has fused multiply-add and twice elsewhere.
+template <int W>
+Pack<W> fma(Pack<W> a, Pack<W> b, Pack<W> c) {
+#if defined(__AVX512F__)
+  if constexpr (W == 16) return make_pack<W>(_mm512_fmadd_ps(a.v, b.v, c.v));
+#endif
+#if defined(__FMA__)
+  if constexpr (W == 8) return make_pack<W>(_mm256_fmadd_ps(a.v, b.v, c.v));
+#endif
+  return make_pack<W>(a.v * b.v + c.v);
+}
+
+template <int W>
+Pack<W> sqrt(Pack<W> a) {
+#if defined(__AVX512F__)
+  if constexpr (W == 16) return make_pack<W>(_mm512_sqrt_ps(a.v));
+#endif
+#if defined(__AVX2__)
+  if constexpr (W == 8) return make_pack<W>(_mm256_sqrt_ps(a.v));
+#endif
+#if defined(__SSE4_2__)
+  if constexpr (W == 4) return make_pack<W>(_mm_sqrt_ps(a.v));
+#endif
+  if constexpr (W == 1) {
+    return make_pack<W>(__builtin_sqrtf(a.v));
+  } else {
+    Pack<W> r;
+    for (int i = 0; i < W; ++i) r.v[i] = __builtin_sqrtf(a.v[i]);
+    return r;
+  }
+}
+
+/// 1 / sqrt(a) for a in [2^-120, 2^120]; relative error <= 4e-7 (estimate and one Newton step where
+/// the machine has an estimate, else exact square root and division).
+template <int W>
+Pack<W> rsqrt(Pack<W> a) {
+  Pack<W> estimate;
+  bool refine = false;
+#if defined(__AVX512F__)
+  if constexpr (W == 16) {
+    estimate = make_pack<W>(_mm512_rsqrt14_ps(a.v));
+    refine = true;
+  }
+#endif
+#if defined(__AVX2__)
+  if constexpr (W == 8) {
+    estimate = make_pack<W>(_mm256_rsqrt_ps(a.v));
+    refine = true;
+  }
+#endif
+  if (!refine) return Pack<W>(1.0f) / sqrt(a);
+  const Pack<W> half = Pack<W>(0.5f) * a * estimate;
+  return estimate * (Pack<W>(1.5f) - half * estimate);
+}
+
+/// Integer views of the bits, for exponent arithmetic.
+template <int W>
+typename Lanes<int32_t, W>::type bits_of(Pack<W> a) {
+  typename Lanes<int32_t, W>::type r;
+  __builtin_memcpy(&r, &a.v, sizeof(r));
+  return r;
+}
+template <int W>
+Pack<W> from_bits(typename Lanes<int32_t, W>::type bits) {
+  Pack<W> r;
+  __builtin_memcpy(&r.v, &bits, sizeof(bits));
+  return r;
+}
+template <int W>
+Pack<W> to_float(typename Lanes<int32_t, W>::type i) {
+  if constexpr (W == 1) {
+    return make_pack<W>(static_cast<float>(i));
+  } else {
+    return make_pack<W>(__builtin_convertvector(i, typename Lanes<float, W>::type));
+  }
+}
+/// Truncation towards zero; |a| < 2^31.
+template <int W>
+typename Lanes<int32_t, W>::type to_int(Pack<W> a) {
+  if constexpr (W == 1) {
+    return static_cast<int32_t>(a.v);
+  } else {
+    return __builtin_convertvector(a.v, typename Lanes<int32_t, W>::type);
+  }
+}
+
+/// log2(x) for normal x > 0: error <= 2e-7 max(1, |log2 x|), and <= 4e-7 |log2 x| for x near 1.
+/// Reduction to [sqrt(1/2), sqrt(2)) and the Cephes logf polynomial.
+template <int W>
+Pack<W> log2(Pack<W> x) {
+  using Int = typename Lanes<int32_t, W>::type;
+  const Int offset = Int{} + 0x3f3504f3;  // sqrt(1/2)
+  const Int bits = bits_of(x) - offset;
+  const Pack<W> exponent = to_float<W>(bits >> 23);
+  const Pack<W> m = from_bits<W>((bits & 0x007fffff) + offset) - Pack<W>(1.0f);
+  const Pack<W> m2 = m * m;
+  Pack<W> p = Pack<W>(7.0376836292e-2f);
+  p = fma(p, m, Pack<W>(-1.1514610310e-1f));
+  p = fma(p, m, Pack<W>(1.1676998740e-1f));
+  p = fma(p, m, Pack<W>(-1.2420140846e-1f));
+  p = fma(p, m, Pack<W>(1.4249322787e-1f));
+  p = fma(p, m, Pack<W>(-1.6668057665e-1f));
+  p = fma(p, m, Pack<W>(2.0000714765e-1f));
+  p = fma(p, m, Pack<W>(-2.4999993993e-1f));
+  p = fma(p, m, Pack<W>(3.3333331174e-1f));
+  const Pack<W> tail = fma(m * m2, p, Pack<W>(-0.5f) * m2);
+  const Pack<W> log2e(1.44269504f);
+  return fma(m, log2e, fma(tail, log2e, exponent));
+}
+
+/// 2^x for x <= 126; relative error <= 3e-7. Below -64 the result is 0, so that no denormal enters
+/// the arithmetic (they cost several times the frame; the contribution is below 6e-20).
+template <int W>
+Pack<W> exp2(Pack<W> x) {
+  using Int = typename Lanes<int32_t, W>::type;
+  const Pack<W> clamped = max(x, Pack<W>(-64.0f));
+  const Int whole = to_int(clamped + Pack<W>(1024.5f)) - 1024;  // round to nearest
+  const Pack<W> f = clamped - to_float<W>(whole);              // [-0.5, 0.5]
+  Pack<W> p = Pack<W>(1.5403530394e-4f);
+  p = fma(p, f, Pack<W>(1.3333558146e-3f));
+  p = fma(p, f, Pack<W>(9.6181291076e-3f));
+  p = fma(p, f, Pack<W>(5.5504108665e-2f));
+  p = fma(p, f, Pack<W>(2.4022650696e-1f));
+  p = fma(p, f, Pack<W>(6.9314718056e-1f));
+  p = fma(p, f, Pack<W>(1.0f));
+  const Pack<W> scale = from_bits<W>((whole + 127) << 23);
+  return select(x < Pack<W>(-64.0f), Pack<W>(0.0f), p * scale);
+}
+
+/// x^e for x in [0, 1 + 1e-6] and e in [0, 1e5], with 0^0 = 1. Results below 2^-64 are 0. Relative
+/// error <= 1e-6 + 5e-7 e |log2 x|.
+template <int W>
+Pack<W> pow_unit(Pack<W> x, Pack<W> e) {
+  const Pack<W> smallest(0x1p-126f);
+  const Pack<W> power = exp2(e * log2(max(x, smallest)));
+  return select(x < smallest, select(e > Pack<W>(0.0f), Pack<W>(0.0f), Pack<W>(1.0f)), power);
+}
+
+/// Three packs: a vector or a colour.
+template <class F>
+struct Vec3 {
+  F x, y, z;
+};
+template <class F>
+F dot(Vec3<F> a, Vec3<F> b) {
+  return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
+}
+template <class F>
+Vec3<F> operator*(Vec3<F> a, F s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+
+}  // namespace relume::RELUME_ISA

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/samples/sample_tile.h"
+#include "reduction/sample_matrix.h"
+
+namespace relume {
+
+/// Merges each cluster into one record and appends it to `out` (TR2007-600 sec. 2.1 and eq. 3).
+/// Fields of category average get the mean of all members, representative ones the value of the
+/// cluster's representative. Unit directions are averaged and made unit again, which the report does
+/// not mention; axes (strand tangents) are turned to the representative's side first, since their
+/// sign means nothing; where a mean vanishes, the representative's value stands.
+/// A record's weight is `weight_per_sample` times its members.
+void merge_clusters(const SampleMatrix& samples, const Clustering& clustering,
+                    float weight_per_sample, TypedRows& out);
+
+/// Every row becomes a record of weight `weight_per_sample`.
+void copy_rows(const SampleMatrix& samples, float weight_per_sample, TypedRows& out);
+
+}  // namespace relume

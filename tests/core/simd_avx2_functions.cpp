@@ -1,0 +1,2 @@
+#define RELUME_ISA avx2
+#include "tests/core/simd_functions_body.h"

@@ -1,0 +1,231 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "tests/viewer/fake_session.h"
+#include "viewer/display/osmesa_surface.h"
+#include "viewer/display/run_viewer.h"
+#include "viewer/display/script_player.h"
+
+namespace relume {
+namespace {
+
+std::string read_bytes(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << stream.rdbuf();
+  return bytes.str();
+}
+
+std::filesystem::path fresh_folder(const std::string& name) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+/// The viewer off screen, kept between scripts so that a test can look inside.
+struct Stage {
+  explicit Stage(ivec2 size_px = {1280, 800}, const FakeSessionOptions& options = {})
+      : session(make_fake_parts(options)),
+        surface(size_px),
+        gl(load_gl_table(surface.loader())),
+        screen(session, gl, {.scale = 1, .show_timings = false}) {}
+
+  void play(const std::string& text) {
+    play_script(parse_script(text, "test"), session, screen, gl, surface, testing::TempDir());
+  }
+  DisplayImage look() const { return read_framebuffer(gl, surface.size_px()); }
+  vec2 center(const std::string& item) const {
+    const auto rect = screen.ui().items.find(item);
+    EXPECT_TRUE(rect.has_value()) << item << " is not among " << screen.ui().items.names();
+    return rect ? rect->center() : vec2(0);
+  }
+
+  Session session;
+  OsmesaSurface surface;
+  GlTable gl;
+  Screen screen;
+};
+
+TEST(Offscreen, DragMovesTheLightInTheViewPlane) {
+  Stage stage;
+  stage.play("wait");
+  const vec2 from = stage.center("handle.1");
+  const std::vector<uint8_t> before = stage.session.picture().rgba;
+  stage.play("drag handle.1 90 -60\nwait");
+
+  const vec2 to = stage.center("handle.1");
+  EXPECT_NEAR(to.x - from.x, 90, 0.1);
+  EXPECT_NEAR(to.y - from.y, -60, 0.1);
+  // Light 1 starts at the origin, 5 in front of the eye, in the middle of a 240 pixel high picture
+  // with a field of view of 35 degrees; the picture is shown `scale` times enlarged.
+  const float scale =
+      glm::distance(stage.center("handle.2"), from) /
+      glm::distance(stage.session.rays().project(vec3(-1, 0.75f, 0.5f)).film_px, vec2(160, 120));
+  const float world_per_screen = 2 * 5 * std::tan(radians_from_degrees(17.5f)) / (240 * scale);
+  const vec3 position = stage.session.view().lights[0].position;
+  EXPECT_NEAR(position.x, 90 * world_per_screen, 2e-3);
+  EXPECT_NEAR(position.y, 60 * world_per_screen, 2e-3);
+  EXPECT_NEAR(position.z, 0, 1e-6);
+  EXPECT_NE(stage.session.picture().rgba, before);
+}
+
+TEST(Offscreen, DragAlongAnAxisLeavesTheOthers) {
+  Stage stage;
+  stage.play("wait\ndrag axis.y 15 -40\nwait");
+  const vec3 position = stage.session.view().lights[0].position;
+  EXPECT_EQ(position.x, 0);
+  EXPECT_EQ(position.z, 0);
+  EXPECT_GT(position.y, 0.05f);
+}
+
+TEST(Offscreen, PressWithoutMotionSelectsAndMovesNothing) {
+  Stage stage;
+  const vec3 before = stage.session.view().lights[1].position;
+  stage.play("click handle.2");
+  EXPECT_EQ(stage.session.view().selected_light, 1);
+  EXPECT_EQ(stage.session.view().lights[1].position, before);
+}
+
+TEST(Offscreen, RestsOnlyWhenNoLightIsHeld) {
+  Stage stage;
+  stage.play("move handle.1\npress\nmove-by 5 5");
+  EXPECT_FALSE(stage.screen.resting());
+  stage.play("release");
+  EXPECT_TRUE(stage.screen.resting());
+}
+
+TEST(Offscreen, ClicksByNameChangeTheView) {
+  Stage stage;
+  const ViewState& view = stage.session.view();
+  stage.play("click view.heatmap\nclick heatmap.auto\nclick shadows.none\nclick view.curve.filmic");
+  EXPECT_EQ(view.shown, ShownPicture::heatmap);
+  EXPECT_EQ(view.heat_range, HeatRange::automatic);
+  EXPECT_EQ(view.shadows, ShadowMethod::none);
+  EXPECT_EQ(view.display.curve, ToneCurve::filmic);
+  stage.play("click lights.2\nclick lights.2.mute\nclick light.type.spot\nclick light.falloff");
+  EXPECT_EQ(view.selected_light, 1);
+  EXPECT_TRUE(view.lights[1].mute);
+  EXPECT_EQ(view.lights[1].type, LightType::spot);
+  EXPECT_FALSE(view.lights[1].falloff);
+  const float gain = view.lights[1].gain;
+  stage.play("drag light.gain 50 0");
+  EXPECT_NEAR(std::log2(view.lights[1].gain / gain), 1, 0.1) << "0.02 stops a pixel";
+}
+
+TEST(Offscreen, KeysChangeTheView) {
+  Stage stage;
+  const ViewState& view = stage.session.view();
+  stage.play("key 2\nkey m\nkey h\nkey +\nkey =\nkey +\nkey -\nkey s\nkey 9");
+  EXPECT_EQ(view.selected_light, 1);
+  EXPECT_TRUE(view.lights[1].mute);
+  EXPECT_EQ(view.shown, ShownPicture::heatmap);
+  EXPECT_FLOAT_EQ(view.display.exposure, 1);
+  EXPECT_EQ(view.shadows, ShadowMethod::none);
+  EXPECT_FALSE(stage.screen.quit());
+  stage.play("key q\nkey f");
+  EXPECT_TRUE(stage.screen.quit());
+  EXPECT_EQ(view.shown, ShownPicture::heatmap) << "nothing happens after quitting";
+}
+
+TEST(Offscreen, WithoutAReferenceTheKeysAndButtonsForItDoNothing) {
+  Stage stage({1280, 800}, {.reference = false});
+  stage.play("key r\nkey h\nclick view.reference");
+  EXPECT_EQ(stage.session.view().shown, ShownPicture::frame);
+}
+
+TEST(Offscreen, TwoRunsDrawTheSameBytes) {
+  const std::string text =
+      "screenshot start.png\n"
+      "drag handle.1 120 40\n"
+      "click view.heatmap\nscreenshot heatmap.png\n"
+      "click view.reference\nkey ?\nscreenshot help.png";
+  const std::filesystem::path folders[] = {fresh_folder("relume_run_a"),
+                                           fresh_folder("relume_run_b")};
+  for (const auto& folder : folders) {
+    Session session(make_fake_parts());
+    EXPECT_EQ(run_offscreen(session, parse_script(text, "test"), folder), 0);
+  }
+  for (const char* file : {"start.png", "heatmap.png", "help.png"}) {
+    const std::string bytes = read_bytes(folders[0] / file);
+    EXPECT_GT(bytes.size(), 1000u);
+    EXPECT_EQ(bytes, read_bytes(folders[1] / file)) << file;
+  }
+}
+
+TEST(Offscreen, AtZoomOneEveryPicturePixelIsAScreenPixel) {
+  Stage stage;
+  stage.session.view().zoom = 1;
+  stage.session.view().zoom_center_px = vec2(160, 120);
+  // Lights far outside, so that no handle covers the picture.
+  for (Light& light : stage.session.view().lights) light.position = vec3(0, 0, 9);
+  stage.play("key p\nwait");
+  const DisplayImage screen = stage.look();
+  const Picture& picture = stage.session.picture();
+  const vec2 origin = stage.screen.ui().placement.origin;
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const ivec2 at = ivec2(origin) + ivec2(x, y);
+      for (int c = 0; c < 3; ++c) {
+        ASSERT_EQ(screen.pixels[3 * (static_cast<size_t>(at.y) * 1280 + at.x) + c],
+                  picture.rgba[4 * (static_cast<size_t>(y) * 320 + x) + c])
+            << "at " << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(Offscreen, SurvivesEverySizeAndComesBackTheSame) {
+  Stage stage({640, 480});
+  stage.play("key 1\nwait");
+  const DisplayImage before = stage.look();
+  stage.play("resize 1 1\nresize 2 900\nresize 900 2\nresize 4000 3\nresize 1 1");
+  EXPECT_EQ(stage.surface.size_px(), ivec2(1, 1));
+  stage.play("resize 640 480\nwait");
+  EXPECT_EQ(stage.look().pixels, before.pixels);
+}
+
+TEST(Offscreen, LargerScaleMakesLargerControls) {
+  float width[2] = {};
+  for (const int scale : {1, 2}) {
+    Session session(make_fake_parts());
+    OsmesaSurface surface(ivec2(1280, 800) * scale);
+    const GlTable gl = load_gl_table(surface.loader());
+    Screen screen(session, gl, {.scale = static_cast<float>(scale), .show_timings = false});
+    play_script(parse_script("wait", "test"), session, screen, gl, surface, {});
+    const auto rect = screen.ui().items.find("view.exposure");
+    ASSERT_TRUE(rect.has_value());
+    width[scale - 1] = rect->size().x;
+  }
+  EXPECT_NEAR(width[1] / width[0], 2, 0.05);
+}
+
+TEST(Offscreen, NamesTheStepWhoseItemDoesNotExist) {
+  Stage stage;
+  try {
+    stage.play("wait\nclick view.nothing");
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("test:2"), std::string::npos) << message;
+    EXPECT_NE(message.find("view.nothing"), std::string::npos) << message;
+  }
+}
+
+TEST(Offscreen, ALightBehindTheCameraHasNoHandleAndOneOutsideIsAtTheEdge) {
+  Stage stage;
+  stage.session.view().lights[0].position = vec3(0, 0, 20);
+  stage.session.view().lights[1].position = vec3(-50, 0, 0);
+  stage.play("wait");
+  EXPECT_FALSE(stage.screen.ui().items.find("handle.1").has_value());
+  EXPECT_LT(stage.center("handle.2").x, 40);
+  const float x = stage.session.view().lights[1].position.x;
+  stage.play("drag handle.2 30 0");
+  EXPECT_GT(stage.session.view().lights[1].position.x, x);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+
+#include "tests/viewer/fake_session.h"
+#include "viewer/session/light_motion.h"
+
+namespace relume {
+namespace {
+
+std::vector<uint8_t> toned(const Image& image, const DisplayTransform& display) {
+  std::vector<uint8_t> rgba(4 * image.pixel_count());
+  apply_display_rgba(image, display, rgba);
+  return rgba;
+}
+
+Image render(FrameSource& source, const ViewState& view) {
+  RelitFrame frame;
+  source.render({view.lights, view.shadows}, frame);
+  return frame.image;
+}
+
+TEST(Session, PaintsTheFrameOfItsLights) {
+  Session session(make_fake_parts());
+  EXPECT_EQ(session.picture().version, 0u);
+  EXPECT_TRUE(session.picture().rgba.empty());
+  session.wait(true);
+  SessionParts same = make_fake_parts();
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.frames, session.view()), {}));
+
+  const uint64_t version = session.picture().version;
+  session.wait(true);
+  EXPECT_EQ(session.picture().version, version) << "repainted without a change";
+
+  session.view().lights[0].position.x = 0.4f;
+  session.view().lights[1].mute = true;
+  session.view().display.exposure = -1;
+  session.wait(true);
+  EXPECT_GT(session.picture().version, version);
+  EXPECT_EQ(session.picture().rgba,
+            toned(render(*same.frames, session.view()), session.view().display));
+  EXPECT_FALSE(session.status().outdated);
+  EXPECT_FALSE(session.status().busy);
+}
+
+TEST(Session, ChangesOfShadowsReachTheFrame) {
+  Session session(make_fake_parts());
+  session.wait(true);
+  const std::vector<uint8_t> before = session.picture().rgba;
+  session.view().shadows = ShadowMethod::none;
+  session.wait(true);
+  SessionParts same = make_fake_parts();
+  EXPECT_NE(session.picture().rgba, before);
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.frames, session.view()), {}));
+}
+
+TEST(Session, ShowsTheReferenceOnlyWhenTheLightRests) {
+  Session session(make_fake_parts());
+  session.view().shown = ShownPicture::reference;
+  session.wait(false);
+  EXPECT_EQ(session.status().painted, ShownPicture::frame);
+  EXPECT_TRUE(session.status().outdated);
+  session.wait(true);
+  EXPECT_EQ(session.status().painted, ShownPicture::reference);
+  EXPECT_FALSE(session.status().outdated);
+  SessionParts same = make_fake_parts();
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.reference, session.view()), {}));
+
+  session.view().lights[0].position.y = 0.3f;
+  session.wait(false);
+  EXPECT_EQ(session.status().painted, ShownPicture::frame) << "a moving light shows the frame";
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.frames, session.view()), {}));
+}
+
+TEST(Session, ReferenceHasTracedShadowsWhateverTheFrameHas) {
+  Session session(make_fake_parts());
+  session.view().shown = ShownPicture::reference;
+  session.wait(true);
+  const std::vector<uint8_t> traced = session.picture().rgba;
+  session.view().shadows = ShadowMethod::none;
+  session.wait(true);
+  EXPECT_EQ(session.picture().rgba, traced);
+}
+
+TEST(Session, HeatmapMeasuresFrameAgainstReference) {
+  Session session(make_fake_parts());
+  session.view().shown = ShownPicture::heatmap;
+  session.wait(true);
+  ASSERT_TRUE(session.status().error.has_value());
+  SessionParts same = make_fake_parts();
+  const ImageError expected =
+      compare_images(render(*same.frames, session.view()), render(*same.reference, session.view()));
+  EXPECT_DOUBLE_EQ(session.status().error->error_image, expected.error_image);
+  EXPECT_GT(expected.error_image, 0);
+  EXPECT_FLOAT_EQ(session.status().heat_range, 0.1f);
+  EXPECT_EQ(session.picture().rgba.size(), 4u * 320 * 240);
+
+  const std::vector<uint8_t> ten_times = session.picture().rgba;
+  session.view().lights[0].gain = 5;
+  session.wait(false);
+  EXPECT_EQ(session.picture().rgba, ten_times) << "the last heatmap stays while a light moves";
+  EXPECT_TRUE(session.status().outdated);
+  session.wait(true);
+  EXPECT_FALSE(session.status().outdated);
+  EXPECT_NE(session.picture().rgba, ten_times);
+}
+
+TEST(Session, HeatmapOfEqualPicturesIsBlack) {
+  SessionParts parts = make_fake_parts();
+  parts.reference = std::move(make_fake_parts().frames);
+  Session session(std::move(parts));
+  session.view().shown = ShownPicture::heatmap;
+  session.view().heat_range = HeatRange::automatic;
+  session.wait(true);
+  ASSERT_TRUE(session.status().error.has_value());
+  EXPECT_EQ(session.status().error->error_image, 0);
+  const std::vector<uint8_t>& rgba = session.picture().rgba;
+  for (size_t i = 4; i < rgba.size(); ++i) ASSERT_EQ(rgba[i], rgba[i - 4]) << "at byte " << i;
+}
+
+TEST(Session, WithoutAReferenceItKeepsShowingTheFrame) {
+  Session session(make_fake_parts({.reference = false}));
+  EXPECT_FALSE(session.info().has_reference);
+  session.view().shown = ShownPicture::heatmap;
+  session.wait(true);
+  EXPECT_EQ(session.status().painted, ShownPicture::frame);
+  EXPECT_TRUE(session.status().outdated);
+}
+
+TEST(Session, ReportsALightThatCannotBeUsedAndKeepsThePicture) {
+  Session session(make_fake_parts());
+  session.wait(true);
+  const Picture before = session.picture();
+  session.view().lights[1].position.x = std::numeric_limits<float>::quiet_NaN();
+  session.wait(true);
+  EXPECT_NE(session.status().problem.find("light 2"), std::string::npos)
+      << session.status().problem;
+  EXPECT_EQ(session.picture().version, before.version);
+  session.view().lights[1].position.x = 0;
+  session.wait(true);
+  EXPECT_EQ(session.status().problem, "");
+  EXPECT_NE(session.picture().rgba, before.rgba);
+}
+
+TEST(LightMotion, ViewPlaneMoveFollowsThePointerAtConstantDepth) {
+  Camera camera;
+  camera.eye = vec3(3, 2, 5);
+  camera.target = vec3(0.5f, 0.25f, -1);
+  const CameraRays rays(camera, 640, 360);
+  for (const vec3 p : {vec3(0), vec3(1, 1, 1), vec3(-3, 2, -4)}) {
+    const auto from = rays.project(p);
+    for (const vec2 delta : {vec2(40, 0), vec2(0, -70), vec2(-123, 45)}) {
+      const auto to = rays.project(move_in_view_plane(rays, p, delta));
+      EXPECT_NEAR(to.film_px.x - from.film_px.x, delta.x, 1e-2);
+      EXPECT_NEAR(to.film_px.y - from.film_px.y, delta.y, 1e-2);
+      EXPECT_NEAR(to.depth, from.depth, 1e-4);
+    }
+  }
+}
+
+TEST(LightMotion, NothingMovesBehindTheEyeOrAlongTheLineOfSight) {
+  const CameraRays rays(Camera{}, 640, 360);
+  const vec3 behind(0, 0, 7);
+  EXPECT_EQ(move_in_view_plane(rays, behind, vec2(10)), behind);
+  EXPECT_EQ(move_along_axis(rays, behind, vec3(1, 0, 0), 1, vec2(10)), behind);
+  const vec3 ahead(0, 0, 0);
+  EXPECT_EQ(move_along_axis(rays, ahead, vec3(0, 0, 1), 1, vec2(10)), ahead);
+}
+
+TEST(LightMotion, AxisMoveStaysOnTheAxisAndFollowsThePointer) {
+  const CameraRays rays(Camera{}, 640, 360);
+  const vec3 p(0.5f, -0.25f, 0);
+  const vec3 moved = move_along_axis(rays, p, vec3(1, 0, 0), 0.5f, vec2(30, 12));
+  EXPECT_EQ(moved.y, p.y);
+  EXPECT_EQ(moved.z, p.z);
+  EXPECT_NEAR(rays.project(moved).film_px.x - rays.project(p).film_px.x, 30, 1e-2);
+}
+
+TEST(LightMotion, DirectionalLightTurnsWhenItsHandleMoves) {
+  Bounds bounds;
+  bounds.extend(vec3(-2));
+  bounds.extend(vec3(2));
+  Light light;
+  light.type = LightType::directional;
+  light.direction = vec3(0, -5, 0);
+  const vec3 handle = light_handle(light, bounds);
+  EXPECT_NEAR(glm::distance(handle, vec3(0, bounds.radius(), 0)), 0, 1e-5);
+  set_light_handle(light, bounds, vec3(3, 0, 0));
+  EXPECT_NEAR(glm::distance(light.direction, vec3(-1, 0, 0)), 0, 1e-6);
+  const Light before = light;
+  set_light_handle(light, bounds, bounds.center());
+  EXPECT_EQ(light.direction, before.direction);
+  set_light_handle(light, bounds, vec3(std::numeric_limits<float>::infinity()));
+  EXPECT_EQ(light.direction, before.direction);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/base/progress.h"
+#include "viewer/commands/commands.h"
+#include "viewer/commands/version.h"
+
+namespace relume {
+namespace {
+
+/// An option that takes one of an enum's labels.
+template <class E, size_t N>
+CLI::Option* add_label(CLI::App& app, const std::string& name, E& value,
+                       const std::array<Label<E>, N>& labels, const std::string& help) {
+  const auto parse = [&value, &labels](const std::string& text) {
+    const std::optional<E> found = value_of(labels, text);
+    if (!found) throw CLI::ValidationError("'" + text + "' is not one of " + label_list(labels));
+    value = *found;
+  };
+  return app
+      .add_option_function<std::string>(name, parse, help + ": " + label_list(labels))
+      ->default_str(std::string(label_of(labels, value)));
+}
+
+void add_common(CLI::App& app, CommonOptions& common) {
+  app.add_option("--threads", common.threads, "threads to use; 0 = all")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  app.add_option("--seed", common.seed, "seed of all random numbers")->capture_default_str();
+  app.add_flag("-q,--quiet", common.quiet, "no progress");
+  app.add_flag("-v,--verbose", common.verbose, "say more on stderr");
+  app.add_flag("--json", common.json, "print figures as JSON");
+}
+
+void add_prepare(CLI::App& app, PrepareOptions& options) {
+  app.add_option("--spp", options.spp, "samples per pixel taken")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  add_label(app, "--method", options.method, reduction_method_labels, "reduction method");
+  app.add_option("--records", options.records, "records per pixel kept (k)")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--width", options.width, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
+  app.add_option("--height", options.height, "pixels; 0 = the scene's")
+      ->check(CLI::Range(0, 16384));
+}
+
+using Command = std::function<int()>;
+
+/// What parsing leaves behind: the options of every command and the one that was named.
+struct Parsed {
+  CommonOptions common;
+  DemoOptions demo;
+  ViewOptions view;
+  PrepareCommandOptions prepare;
+  RenderOptions render;
+  CompareOptions compare;
+  BenchOptions bench;
+  InfoOptions info;
+  Command command;
+};
+
+CLI::App& add_command(CLI::App& app, Parsed& parsed, const std::string& name,
+                      const std::string& help, const std::string& examples,
+                      const Command& command) {
+  CLI::App& sub = *app.add_subcommand(name, help);
+  sub.footer("Examples:\n" + examples);
+  sub.callback([&parsed, command] { parsed.command = command; });
+  add_common(sub, parsed.common);
+  return sub;
+}
+
+void add_demo(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(app, p, "demo",
+                              "Make the hair scene, prepare it and open the window, or write "
+                              "pictures where there is no display",
+                              "  relume demo\n  relume demo --offscreen out --scene plants",
+                              [&p] { return run_demo(p.demo, p.common); });
+  sub.add_option("--scene", p.demo.scene, "hair, plants, spheres or a scene file")
+      ->capture_default_str();
+  sub.add_option("--offscreen", p.demo.offscreen, "write pictures into this folder");
+  add_prepare(sub, p.demo.prepare);
+}
+
+void add_view(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(
+      app, p, "view", "Open the interactive window on a scene or cache",
+      "  relume view scenes/real/ponytail.json\n  relume view hair --offscreen out --script "
+      "drag.txt",
+      [&p] { return run_view(p.view, p.common); });
+  sub.add_option("input", p.view.input, "scene label, scene file or .relume cache")->required();
+  sub.add_option("--offscreen", p.view.offscreen, "no display: draw with OSMesa into this folder");
+  sub.add_option("--script", p.view.script, "scripted input (docs/viewer-scripts.md)");
+  add_label(sub, "--shadow", p.view.shadow, shadow_method_labels, "shadow method");
+  add_prepare(sub, p.view.prepare);
+}
+
+void add_prepare_command(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(app, p, "prepare", "Sample and reduce a scene into a .relume cache",
+                              "  relume prepare hair -o hair.relume --records 4",
+                              [&p] { return run_prepare(p.prepare, p.common); });
+  sub.add_option("scene", p.prepare.scene, "scene label or file")->required();
+  sub.add_option("-o,--output", p.prepare.output, "cache to write")->required();
+  add_prepare(sub, p.prepare.prepare);
+}
+
+void add_render(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(
+      app, p, "render", "Relight off-screen into an EXR with one layer per light, or a PNG",
+      "  relume render hair -o frame.exr\n  relume render hair.relume --lights night.json -o "
+      "night.png\n  relume render hair --reference -o reference.exr",
+      [&p] { return run_render(p.render, p.common); });
+  RenderOptions& o = p.render;
+  sub.add_option("input", o.input, "scene label, scene file or .relume cache")->required();
+  sub.add_option("-o,--output", o.output, "picture to write: .exr or .png")->required();
+  sub.add_option("--lights", o.lights, "lights to use instead of the scene's (JSON)");
+  sub.add_flag("--reference", o.reference, "all samples, traced shadows");
+  add_label(sub, "--shadow", o.shadow, shadow_method_labels, "shadow method");
+  sub.add_option("--exposure", o.exposure, "stops, for PNG; default: the scene's");
+  add_label(sub, "--curve", o.curve, tone_curve_labels, "tone curve, for PNG");
+  add_label(sub, "--isa", o.instruction_set, instruction_set_labels, "instruction set");
+  add_prepare(sub, o.prepare);
+}
+
+void add_compare(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(
+      app, p, "compare", "Print how far an image is from a reference (TR2007-600 eq. 7 and more)",
+      "  relume compare frame.exr reference.exr --heatmap error.png --fail 0.01",
+      [&p] { return run_compare(p.compare, p.common); });
+  sub.add_option("image", p.compare.image, "image")->required();
+  sub.add_option("reference", p.compare.reference, "reference")->required();
+  sub.add_option("--heatmap", p.compare.heatmap, "write the error in false colour (PNG)");
+  sub.add_option("--range", p.compare.range, "error at the top of the heatmap; 0 = automatic")
+      ->check(CLI::Range(0.0, 1e30));
+  sub.add_option("--fail", p.compare.fail, "exit with 1 when eq. 7 is above")
+      ->check(CLI::Range(0.0, 1e30));
+}
+
+void add_bench(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(app, p, "bench",
+                              "Time the stages, each beside its floor measured in the same run",
+                              "  relume bench hair --records 8 --json",
+                              [&p] { return run_bench(p.bench, p.common); });
+  sub.add_option("scene", p.bench.scene, "scene label, file or cache")->capture_default_str();
+  sub.add_option("--repeats", p.bench.repeats, "runs of each, the least counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  add_prepare(sub, p.bench.prepare);
+}
+
+void add_info(CLI::App& app, Parsed& p) {
+  CLI::App& sub =
+      add_command(app, p, "info", "Say what a scene, cache or image holds",
+                  "  relume info hair\n  relume info hair.relume --json",
+                  [&p] { return run_info(p.info, p.common); });
+  sub.add_option("input", p.info.input, "scene, cache or image")->required();
+}
+
+int run_parsed(const Parsed& parsed) {
+  set_thread_count(parsed.common.threads);
+  install_interrupt_handler();
+  const int code = parsed.command();
+  if (parsed.common.verbose) fmt::print(stderr, "{}", rare_events());
+  return code;
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  CLI::App app{"Relume: moves lights through final-quality hair and foliage in real time", "relume"};
+  app.set_version_flag("--version", fmt::format("relume {} ({})", relume_version, relume_commit));
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output, "
+             "130 interrupted");
+  Parsed parsed;
+  add_demo(app, parsed);
+  add_view(app, parsed);
+  add_prepare_command(app, parsed);
+  add_render(app, parsed);
+  add_compare(app, parsed);
+  add_bench(app, parsed);
+  add_info(app, parsed);
+  try {
+    app.parse(argc, argv);
+    return run_parsed(parsed);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorKind::usage);
+  } catch (const Error& error) {
+    fmt::print(stderr, "relume: {}\n", error.what());
+    return error.exit_code();
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "relume: out of memory; use fewer records, samples or pixels\n");
+    return static_cast<int>(ErrorKind::limit);
+  }
+}
+
+}  // namespace relume

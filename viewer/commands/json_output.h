@@ -1,0 +1,27 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "viewer/commands/options.h"
+
+namespace relume {
+
+/// One row of figures: names and values in order.
+using Figure = std::variant<double, int64_t, std::string, bool>;
+using FigureRow = std::vector<std::pair<std::string, Figure>>;
+
+/// The program's one shape for figures: {schema, version, commit, cpu, threads, seed, rows: [...]},
+/// indented, with a final newline. `schema` names the kind of rows, for instance "relume-render-1".
+/// Non-finite numbers become null.
+std::string format_figures(const std::string& schema, const CommonOptions& common,
+                           const std::vector<FigureRow>& rows);
+
+/// Prints rows on stdout: as JSON when asked for, else "name value" lines.
+void print_figures(const std::string& schema, const CommonOptions& common,
+                   const std::vector<FigureRow>& rows);
+
+}  // namespace relume

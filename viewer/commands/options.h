@@ -1,0 +1,84 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/image/display_transform.h"
+#include "core/simd/instruction_set.h"
+#include "reduction/reduction.h"
+#include "shadow/shadow.h"
+
+namespace relume {
+
+// What each command can be told: plain data, every default written. command_line.cpp fills them.
+
+/// Understood by every command.
+struct CommonOptions {
+  int threads = 0;     ///< 0 = all
+  uint64_t seed = 0;
+  bool quiet = false;
+  bool verbose = false;
+  bool json = false;   ///< print figures as JSON on stdout
+};
+
+/// How a scene becomes records, where a command is given a scene instead of a cache.
+struct PrepareOptions {
+  int spp = 25;
+  ReductionMethod method = ReductionMethod::strong_kmeans;
+  int records = 8;
+  int width = 0;   ///< pixels; 0 = the scene's
+  int height = 0;
+};
+
+struct DemoOptions {
+  std::string scene = "hair";
+  std::optional<std::filesystem::path> offscreen;  ///< write pictures here instead of a window
+  PrepareOptions prepare;
+};
+
+struct ViewOptions {
+  std::string input;  ///< scene or cache
+  std::optional<std::filesystem::path> offscreen;
+  std::optional<std::filesystem::path> script;
+  ShadowMethod shadow = ShadowMethod::ray;
+  PrepareOptions prepare;
+};
+
+struct PrepareCommandOptions {
+  std::string scene;
+  std::filesystem::path output;
+  PrepareOptions prepare;
+};
+
+struct RenderOptions {
+  std::string input;  ///< scene or cache
+  std::filesystem::path output;
+  std::optional<std::filesystem::path> lights;
+  ShadowMethod shadow = ShadowMethod::ray;
+  bool reference = false;  ///< all samples, traced shadows
+  std::optional<float> exposure;
+  ToneCurve curve = ToneCurve::srgb;
+  InstructionSet instruction_set = InstructionSet::automatic;
+  PrepareOptions prepare;
+};
+
+struct CompareOptions {
+  std::filesystem::path image;
+  std::filesystem::path reference;
+  std::optional<std::filesystem::path> heatmap;
+  double range = 0;              ///< of the heatmap; 0 = automatic
+  std::optional<double> fail;    ///< exit 1 when eq. 7 over all pixels is above
+};
+
+struct BenchOptions {
+  std::string scene = "hair";
+  int repeats = 5;
+  PrepareOptions prepare;
+};
+
+struct InfoOptions {
+  std::string input;  ///< scene, cache or image
+};
+
+}  // namespace relume

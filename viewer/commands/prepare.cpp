@@ -1,0 +1,45 @@
+#include <fmt/format.h>
+
+#include "core/base/timer.h"
+#include "core/shade/shaders.h"
+#include "viewer/commands/commands.h"
+#include "viewer/commands/json_output.h"
+#include "viewer/commands/process_memory.h"
+#include "viewer/commands/relight_input.h"
+
+namespace relume {
+
+int run_prepare(const PrepareCommandOptions& options, const CommonOptions& common) {
+  const Timer timer;
+  const RelightInput input = open_scene(options.scene, common);
+  PrepareStats stats;
+  prepare_to_file(*input.scene, *input.tracer, make_prepare_params(options.prepare, common),
+                  options.output, make_terminal_progress(common.quiet), &stats);
+  const double prepare_ms = timer.ms();
+  const uint64_t peak_bytes = peak_memory_bytes();
+  const RelightCache cache = RelightCache::open(options.output, shader_table());
+  const CacheInfo& info = cache.info();
+  const auto stored = static_cast<double>(cache.size_bytes());
+  print_figures("relume-prepare-1", common,
+                {{{"scene", info.scene_name},
+                  {"method", info.method},
+                  {"records", int64_t{info.records}},
+                  {"spp", int64_t{info.spp}},
+                  {"width", int64_t{info.width}},
+                  {"height", int64_t{info.height}},
+                  {"ms_prepare", prepare_ms},
+                  {"ms_tracer", input.tracer->stats().build_ms},
+                  {"thread_ms_sample", stats.sample_ms},
+                  {"thread_ms_reduce", stats.reduce_ms},
+                  {"thread_ms_pack", stats.pack_ms},
+                  {"sample_count", static_cast<int64_t>(info.sample_count)},
+                  {"record_count", static_cast<int64_t>(info.record_count)},
+                  {"cache_bytes", static_cast<int64_t>(cache.size_bytes())},
+                  {"bytes_per_record", stored / static_cast<double>(std::max<uint64_t>(
+                                                    1, info.record_count))},
+                  {"peak_bytes", static_cast<int64_t>(peak_bytes)},
+                  {"peak_over_stored", static_cast<double>(peak_bytes) / stored}}});
+  return 0;
+}
+
+}  // namespace relume

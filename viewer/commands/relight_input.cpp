@@ -1,0 +1,83 @@
+#include "viewer/commands/relight_input.h"
+
+#include <fmt/format.h>
+
+#include "core/base/error.h"
+#include "core/scene/io/load_scene.h"
+#include "core/shade/shaders.h"
+
+namespace relume {
+namespace {
+
+void report_tracer(const Scene& scene, const Tracer& tracer, const CommonOptions& common) {
+  if (!common.verbose) return;
+  const SceneCounts counts = count_scene(scene);
+  const TracerStats& stats = tracer.stats();
+  fmt::print(stderr,
+             "{}: {} triangles ({} instanced), {} strands, {} segments ({} instanced); built in "
+             "{:.0f} ms, {:.0f} MiB, {}\n",
+             scene.name, counts.triangles, counts.instanced_triangles, counts.strands,
+             counts.segments, counts.instanced_segments, stats.build_ms,
+             static_cast<double>(stats.memory_bytes) / (1 << 20),
+             stats.flattened ? "flattened" : "instanced");
+}
+
+RelightInput trace_scene(Scene scene, const CommonOptions& common) {
+  RelightInput input;
+  input.scene = std::make_unique<const Scene>(std::move(scene));
+  input.tracer = std::make_unique<const Tracer>(*input.scene);
+  report_tracer(*input.scene, *input.tracer, common);
+  return input;
+}
+
+/// The scene that a cache was made from.
+Scene scene_of_cache(const CacheInfo& info, const std::string& place) {
+  try {
+    return parse_scene(info.scene_text, info.scene_file, shader_table());
+  } catch (const Error& error) {
+    throw input_error(place,
+                      fmt::format("traced shadows need the scene it was made from ({})",
+                                  error.what()),
+                      "put the files back or use --shadow none");
+  }
+}
+
+}  // namespace
+
+bool is_cache_path(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".relume";
+}
+
+PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOptions& common) {
+  PrepareParams params;
+  params.spp = options.spp;
+  params.width = options.width;
+  params.height = options.height;
+  params.reduction.method = options.method;
+  params.reduction.records = options.records;
+  params.reduction.seed = common.seed;
+  return params;
+}
+
+RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common) {
+  return trace_scene(load_scene(name_or_path, shader_table(), make_terminal_progress(common.quiet)),
+                     common);
+}
+
+RelightInput open_input(const std::string& input, const PrepareOptions& prepare, bool need_tracer,
+                        const CommonOptions& common) {
+  if (is_cache_path(input)) {
+    RelightCache cache = RelightCache::open(input, shader_table());
+    RelightInput result;
+    if (need_tracer) result = trace_scene(scene_of_cache(cache.info(), input), common);
+    result.cache = std::move(cache);
+    return result;
+  }
+  RelightInput result = open_scene(input, common);
+  result.cache = prepare_in_memory(*result.scene, *result.tracer,
+                                   make_prepare_params(prepare, common),
+                                   make_terminal_progress(common.quiet));
+  return result;
+}
+
+}  // namespace relume

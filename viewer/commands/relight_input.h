@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "core/samples/relight_cache.h"
+#include "core/trace/tracer.h"
+#include "viewer/commands/options.h"
+#include "viewer/session/prepare.h"
+
+namespace relume {
+
+/// What relighting starts from. `scene` and `tracer` are null for a cache opened without shadows.
+struct RelightInput {
+  std::unique_ptr<const Scene> scene;
+  std::unique_ptr<const Tracer> tracer;
+  std::optional<RelightCache> cache;
+};
+
+/// Loads a scene and builds its ray tracer.
+RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common);
+
+/// A scene (label or path), prepared in memory as `prepare` says, or a .relume cache. A cache's scene
+/// is loaded only when `need_tracer`, from the text stored in the cache; generated and unchanged files
+/// give the geometry that the cache was made from.
+RelightInput open_input(const std::string& input, const PrepareOptions& prepare, bool need_tracer,
+                        const CommonOptions& common);
+
+/// The same choices as the library's parameters.
+PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOptions& common);
+
+/// True for a path that ends in .relume.
+bool is_cache_path(const std::string& path);
+
+}  // namespace relume

@@ -1,0 +1,70 @@
+#include "core/base/error.h"
+#include "viewer/commands/commands.h"
+#include "viewer/commands/open_window.h"
+#if defined(RELUME_HAS_VIEWER)
+#include "viewer/display/run_viewer.h"
+#endif
+
+namespace relume {
+namespace {
+
+#if defined(RELUME_HAS_VIEWER)
+Session start_session(RelightInput input, const PrepareOptions& prepare,
+                      const CommonOptions& common) {
+  std::optional<RelightCache> reference;
+  if (input.tracer) {
+    PrepareOptions all = prepare;
+    all.method = ReductionMethod::all;
+    all.width = input.cache->info().width;
+    all.height = input.cache->info().height;
+    reference = prepare_in_memory(*input.scene, *input.tracer, make_prepare_params(all, common),
+                                  make_terminal_progress(common.quiet));
+  }
+  return make_session(std::move(input.scene), std::move(input.tracer), std::move(*input.cache),
+                      std::move(reference));
+}
+#else
+Error no_viewer() {
+  return Error(ErrorKind::usage,
+               "this program was built without the window; configure with -DRELUME_VIEWER=ON");
+}
+#endif
+
+}  // namespace
+
+bool can_open_window() {
+#if defined(RELUME_HAS_VIEWER)
+  return display_available();
+#else
+  return false;
+#endif
+}
+
+int open_window([[maybe_unused]] RelightInput input, [[maybe_unused]] const PrepareOptions& prepare,
+                [[maybe_unused]] ShadowMethod shadow,
+                [[maybe_unused]] const CommonOptions& common) {
+#if defined(RELUME_HAS_VIEWER)
+  Session session = start_session(std::move(input), prepare, common);
+  session.view().shadows = shadow;
+  return run_window(session, {});
+#else
+  throw no_viewer();
+#endif
+}
+
+int run_view(const ViewOptions& options, const CommonOptions& common) {
+  RelightInput input = open_input(options.input, options.prepare, true, common);
+#if defined(RELUME_HAS_VIEWER)
+  if (options.offscreen) {
+    const Script script = options.script ? load_script(*options.script) : default_script();
+    Session session = start_session(std::move(input), options.prepare, common);
+    session.view().shadows = options.shadow;
+    return run_offscreen(session, script, *options.offscreen);
+  }
+  return open_window(std::move(input), options.prepare, options.shadow, common);
+#else
+  throw no_viewer();
+#endif
+}
+
+}  // namespace relume

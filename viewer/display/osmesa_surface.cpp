@@ -1,0 +1,108 @@
+#include "viewer/display/osmesa_surface.h"
+
+// After our header: it brings GL/gl.h, which defines less than the core header of the table.
+#include <GL/osmesa.h>
+#include <dlfcn.h>
+
+#include <vector>
+
+#include "core/base/error.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+/// Mesa keeps a few bytes for each context and size until the process ends.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so\n"; }
+#endif
+
+namespace relume {
+namespace {
+
+constexpr const char* library_file = "libOSMesa.so.8";
+constexpr const char* install_mend = "apt-get install libosmesa6";
+
+/// The functions of libOSMesa that we call.
+struct Library {
+  decltype(&OSMesaCreateContextAttribs) create_context = nullptr;
+  decltype(&OSMesaDestroyContext) destroy_context = nullptr;
+  decltype(&OSMesaMakeCurrent) make_current = nullptr;
+  decltype(&OSMesaGetProcAddress) get_function = nullptr;
+};
+
+template <class Function>
+void load_function(void* handle, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(dlsym(handle, name));
+  if (function == nullptr) {
+    throw output_error(library_file, std::string(name) + " is missing", install_mend);
+  }
+}
+
+Library load_library() {
+  // Never closed: drivers do not survive it.
+  void* handle = dlopen(library_file, RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) throw output_error(library_file, "cannot be loaded", install_mend);
+  Library library;
+  load_function(handle, "OSMesaCreateContextAttribs", library.create_context);
+  load_function(handle, "OSMesaDestroyContext", library.destroy_context);
+  load_function(handle, "OSMesaMakeCurrent", library.make_current);
+  load_function(handle, "OSMesaGetProcAddress", library.get_function);
+  return library;
+}
+
+const Library& osmesa() {
+  static const Library library = load_library();
+  return library;
+}
+
+GlFunction load_gl_function(const char* name) {
+  return osmesa().get_function(name);
+}
+
+}  // namespace
+
+struct OsmesaSurface::Impl {
+  OSMesaContext context = nullptr;
+  ivec2 size_px{0};
+  std::vector<uint8_t> pixels;
+};
+
+OsmesaSurface::OsmesaSurface(ivec2 size_px) : impl_(std::make_unique<Impl>()) {
+  const int attributes[] = {OSMESA_FORMAT,
+                            OSMESA_RGBA,
+                            OSMESA_PROFILE,
+                            OSMESA_CORE_PROFILE,
+                            OSMESA_CONTEXT_MAJOR_VERSION,
+                            3,
+                            OSMESA_CONTEXT_MINOR_VERSION,
+                            3,
+                            0,
+                            0};
+  impl_->context = osmesa().create_context(attributes, nullptr);
+  if (impl_->context == nullptr) {
+    throw output_error("off-screen drawing", "there is no OpenGL 3.3 context", install_mend);
+  }
+  resize(size_px);
+}
+
+OsmesaSurface::~OsmesaSurface() {
+  osmesa().make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0);
+  osmesa().destroy_context(impl_->context);
+}
+
+GlLoader OsmesaSurface::loader() const {
+  return load_gl_function;
+}
+
+ivec2 OsmesaSurface::size_px() const {
+  return impl_->size_px;
+}
+
+void OsmesaSurface::resize(ivec2 size_px) {
+  const ivec2 size = glm::clamp(size_px, ivec2(1), ivec2(16384));
+  std::vector<uint8_t> pixels(4 * static_cast<size_t>(size.x) * size.y);
+  if (!osmesa().make_current(impl_->context, pixels.data(), GL_UNSIGNED_BYTE, size.x, size.y)) {
+    throw output_error("off-screen drawing", "the context cannot be made current", install_mend);
+  }
+  impl_->pixels = std::move(pixels);
+  impl_->size_px = size;
+}
+
+}  // namespace relume

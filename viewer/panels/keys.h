@@ -1,0 +1,14 @@
+#pragma once
+
+#include "viewer/panels/ui_state.h"
+#include "viewer/session/session.h"
+
+namespace relume {
+
+/// Acts on the characters typed since the last frame, unless a text field has them.
+void handle_keys(UiState& ui, Session& session);
+
+/// The list of keys, while ui.show_help.
+void help_window(UiState& ui);
+
+}  // namespace relume

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "viewer/panels/item_table.h"
+#include "viewer/panels/placement.h"
+
+namespace relume {
+
+/// What a drag in the picture holds on to.
+enum class Grip { none, view_plane, axis_x, axis_y, axis_z, pan };
+
+/// A drag in progress. The light's place follows from where the drag started, so that it does not
+/// depend on how many events came between.
+struct Drag {
+  Grip grip = Grip::none;
+  int light = -1;
+  vec3 start_world{0};
+  vec2 start_screen{0};
+};
+
+/// The user interface's own state: nothing that a session would save.
+struct UiState {
+  ItemTable items;
+  Layout layout;
+  Placement placement;
+  Drag drag;
+  bool show_timings = true;  ///< off in scripted runs, whose pictures must not depend on the clock
+  bool show_help = false;
+  bool show_panel = true;
+  bool quit = false;
+};
+
+}  // namespace relume

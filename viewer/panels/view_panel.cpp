@@ -1,0 +1,128 @@
+#include "viewer/panels/view_panel.h"
+
+#include <fmt/format.h>
+
+#include "core/image/heatmap.h"
+#include "viewer/panels/widgets.h"
+
+namespace relume {
+namespace {
+
+constexpr float largest_exposure = 10;
+
+std::string short_count(uint64_t count) {
+  const double value = static_cast<double>(count);
+  if (value >= 1e6) return fmt::format("{:.2f} M", value * 1e-6);
+  if (value >= 1e4) return fmt::format("{:.1f} k", value * 1e-3);
+  return fmt::format("{}", count);
+}
+
+std::string scene_line(const Session& session) {
+  const SessionInfo& info = session.info();
+  return fmt::format("{}x{}   {}, k = {}   {} records   {} lights", info.width, info.height,
+                     info.method, info.records, short_count(info.record_count),
+                     session.view().lights.size());
+}
+
+std::string work_line(const UiState& ui, const Session& session) {
+  const SessionStatus& status = session.status();
+  std::string line;
+  if (status.error) {
+    line = fmt::format("error {:.5f} on covered pixels, {:.5f} on all   ",
+                       status.error->error_covered, status.error->error_image);
+  }
+  if (session.picture().version == 0) return line + "relighting...";
+  if (!ui.show_timings) return line;
+  return line + fmt::format("{} light{} relit in {:.1f} ms", status.stats.layers_shaded,
+                            status.stats.layers_shaded == 1 ? "" : "s", status.frame_ms);
+}
+
+void heat_scale(const UiState& ui, float range) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float font = ImGui::GetFontSize();
+  const vec2 size(14 * font, 0.7f * font);
+  const vec2 low = vec2(ui.layout.picture.min.x, ui.layout.picture.max.y) + vec2(1, -2.6f) * font;
+  constexpr int steps = 64;
+  for (int i = 0; i < steps; ++i) {
+    const vec3 color = heat_color((static_cast<float>(i) + 0.5f) / steps);
+    const float left = std::round(low.x + size.x * static_cast<float>(i) / steps);
+    const float right = std::round(low.x + size.x * static_cast<float>(i + 1) / steps);
+    list.AddRectFilled({left, low.y}, {right, low.y + size.y},
+                       ImGui::ColorConvertFloat4ToU32({color.x, color.y, color.z, 1}));
+  }
+  list.AddRect(to_im(low), to_im(low + size), IM_COL32(200, 200, 200, 255));
+  const float text_y = low.y + size.y + 0.1f * font;
+  const std::string top = fmt::format("{:g}", range);
+  add_outlined_text(list, {low.x, text_y}, IM_COL32_WHITE, "0");
+  add_outlined_text(list, {low.x + 4.2f * font, text_y}, IM_COL32_WHITE, "RMS error");
+  const float top_width = ImGui::CalcTextSize(top.c_str()).x;
+  add_outlined_text(list, {low.x + size.x - top_width, text_y}, IM_COL32_WHITE, top);
+}
+
+}  // namespace
+
+void view_panel(UiState& ui, Session& session) {
+  ViewState& view = session.view();
+  const SessionInfo& info = session.info();
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "PICTURE");
+  choose(ui, "view", shown_picture_labels, view.shown,
+         [&](ShownPicture shown) { return shown == ShownPicture::frame || info.has_reference; });
+  if (!info.has_reference) ImGui::TextDisabled("No reference was prepared to compare with.");
+
+  row_label("exposure");
+  ImGui::SliderFloat("##exposure", &view.display.exposure, -largest_exposure, largest_exposure,
+                     "%+.2f stops", ImGuiSliderFlags_AlwaysClamp);
+  note_item(ui, "view.exposure");
+  if (!is_finite(view.display.exposure)) view.display.exposure = 0;
+  view.display.exposure = std::clamp(view.display.exposure, -largest_exposure, largest_exposure);
+  row_label("curve");
+  choose(ui, "view.curve", tone_curve_labels, view.display.curve);
+  row_label("shadows");
+  choose(ui, "shadows", shadow_method_labels, view.shadows,
+         [&](ShadowMethod method) { return method == ShadowMethod::none || info.can_trace; });
+  row_label("heatmap");
+  choose(ui, "heatmap", heat_range_labels, view.heat_range);
+}
+
+void status_bar(UiState& ui, const Session& session) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
+                      {ImGui::GetStyle().WindowPadding.x, 0.4f * ImGui::GetFontSize()});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.1f, 0.1f, 0.1f, 1));
+  begin_fixed_window("status", ui.layout.status);
+  const std::string& problem = session.status().problem;
+  if (!problem.empty()) {
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(problem_color), "%s", problem.c_str());
+  } else {
+    ImGui::TextUnformatted(scene_line(session).c_str());
+    ImGui::SameLine(0, 2 * ImGui::GetFontSize());
+    ImGui::TextDisabled("%s", work_line(ui, session).c_str());
+    constexpr const char* hint = "drag a light in the picture,  ? shows the keys";
+    const float left =
+        ui.layout.status.max.x - ImGui::CalcTextSize(hint).x - ImGui::GetStyle().WindowPadding.x;
+    ImGui::SameLine();
+    if (ImGui::GetCursorScreenPos().x < left) {
+      ImGui::SameLine(left - ui.layout.status.min.x);
+      ImGui::TextDisabled("%s", hint);
+    }
+  }
+  ImGui::End();
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar();
+}
+
+void picture_legend(const UiState& ui, const Session& session) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const SessionStatus& status = session.status();
+  const vec2 corner = ui.layout.picture.min + vec2(1, 0.7f) * ImGui::GetFontSize();
+  const bool waiting = status.outdated && session.view().shown != ShownPicture::frame;
+  std::string text(label_of(shown_picture_labels, status.painted));
+  if (waiting) {
+    text += fmt::format(", {} out of date", label_of(shown_picture_labels, session.view().shown));
+  }
+  add_outlined_text(list, corner, waiting ? accent_color : IM_COL32(220, 220, 220, 255), text);
+  if (status.painted == ShownPicture::heatmap && session.picture().version > 0) {
+    heat_scale(ui, status.heat_range);
+  }
+}
+
+}  // namespace relume

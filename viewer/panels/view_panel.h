@@ -1,0 +1,17 @@
+#pragma once
+
+#include "viewer/panels/ui_state.h"
+#include "viewer/session/session.h"
+
+namespace relume {
+
+/// What the picture shows and how: inside the current ImGui window.
+void view_panel(UiState& ui, Session& session);
+
+/// Along the bottom: what was relit and how long it took, the measured error, problems.
+void status_bar(UiState& ui, const Session& session);
+
+/// Over the picture: what it shows, and the heatmap's scale.
+void picture_legend(const UiState& ui, const Session& session);
+
+}  // namespace relume

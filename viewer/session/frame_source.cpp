@@ -1,0 +1,49 @@
+#include "viewer/session/frame_source.h"
+
+#include "core/base/error.h"
+
+namespace relume {
+namespace {
+
+class CacheSource final : public FrameSource {
+ public:
+  CacheSource(RelightCache cache, const Tracer* tracer, std::optional<ShadowMethod> shadows)
+      : cache_(std::move(cache)),
+        tracer_(tracer),
+        fixed_method_(shadows),
+        state_(make_relight_state(cache_)) {}
+
+  void render(const RelightRequest& request, RelitFrame& frame) override {
+    use_shadows(fixed_method_.value_or(request.shadows));
+    frame.stats = relight(state_, request.lights, shadows_.get());
+    frame.image = state_.frame;
+  }
+
+ private:
+  void use_shadows(ShadowMethod method) {
+    if (method == method_) return;
+    if (method != ShadowMethod::none && tracer_ == nullptr) {
+      throw input_error("shadows", "the scene of this cache is not loaded",
+                        "set shadows to none, or open the scene instead of the cache");
+    }
+    shadows_ = method == ShadowMethod::none ? nullptr : make_shadow(method, *tracer_);
+    method_ = method;
+    invalidate(state_);
+  }
+
+  RelightCache cache_;
+  const Tracer* tracer_;
+  std::optional<ShadowMethod> fixed_method_;
+  ShadowMethod method_ = ShadowMethod::none;
+  std::unique_ptr<VisibilitySource> shadows_;
+  RelightState state_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> make_cache_source(RelightCache cache, const Tracer* tracer,
+                                               std::optional<ShadowMethod> shadows) {
+  return std::make_unique<CacheSource>(std::move(cache), tracer, shadows);
+}
+
+}  // namespace relume

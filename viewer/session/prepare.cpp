@@ -1,0 +1,115 @@
+#include "viewer/session/prepare.h"
+
+#include "core/base/parallel.h"
+#include "core/base/timer.h"
+#include "core/samples/cache_writer.h"
+#include "core/samples/pack.h"
+#include "core/samples/sample_scene.h"
+#include "core/shade/shaders.h"
+
+namespace relume {
+namespace {
+
+/// Tiles in flight at a time: enough to feed many threads, few enough to stay small in memory.
+constexpr size_t batch_tiles = 128;
+
+/// Where the batches spend their time, summed over threads.
+struct StageClock {
+  std::atomic<int64_t> sample_us{0};
+  std::atomic<int64_t> reduce_us{0};
+  std::atomic<int64_t> pack_us{0};
+  std::atomic<uint64_t> samples{0};
+};
+
+PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& reduction, int index,
+                            StageClock& clock) {
+  const Timer timer;
+  const SampleTile samples = sample_tile(view, index);
+  const double sampled_ms = timer.ms();
+  const SampleTile records = reduce_tile(samples, view.types.types, reduction, view.width);
+  const double reduced_ms = timer.ms();
+  PackedTileData packed = pack_tile(records, view.types.types);
+  clock.sample_us += static_cast<int64_t>(sampled_ms * 1e3);
+  clock.reduce_us += static_cast<int64_t>((reduced_ms - sampled_ms) * 1e3);
+  clock.pack_us += static_cast<int64_t>((timer.ms() - reduced_ms) * 1e3);
+  clock.samples += samples.row_count();
+  return packed;
+}
+
+CacheInfo make_info(const Scene& scene, const ViewSampler& view, const PrepareParams& params,
+                    const Bounds& bounds, uint64_t samples) {
+  CacheInfo info;
+  info.width = view.width;
+  info.height = view.height;
+  info.camera = scene.camera;
+  info.types = view.types.types;
+  info.bounds = bounds;
+  info.method = label_of(reduction_method_labels, params.reduction.method);
+  info.spp = view.strata.spp;
+  info.records = params.reduction.method == ReductionMethod::all ? info.spp
+                                                                 : params.reduction.records;
+  info.seed = params.reduction.seed;
+  info.sample_count = samples;
+  info.scene_name = scene.name;
+  info.scene_file = scene.file.string();
+  info.scene_text = scene.text;
+  info.lights = scene.lights;
+  info.representative_low = scene.representative_low;
+  info.representative_high = scene.representative_high;
+  info.exposure = scene.exposure;
+  return info;
+}
+
+void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+             CacheWriter& writer, const ProgressCallback& callback, PrepareStats* stats) {
+  ReductionParams reduction = params.reduction;
+  reduction.scene_radius = std::max(tracer.bounds().radius(), 1e-30f);
+  const bool pure = reduction.method == ReductionMethod::pure;
+  const ViewSampler view = make_view_sampler(
+      scene, tracer, params.width > 0 ? params.width : scene.width,
+      params.height > 0 ? params.height : scene.height, pure ? reduction.records : params.spp,
+      reduction.seed);
+  const auto tiles = static_cast<size_t>(tile_count(view));
+  Progress progress(callback, "prepare " + scene.name);
+  StageClock clock;
+  std::vector<PackedTileData> batch;
+  for (size_t first = 0; first < tiles; first += batch_tiles) {
+    const size_t count = std::min(batch_tiles, tiles - first);
+    batch.assign(count, {});
+    parallel_for(count, 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        batch[i] = prepare_tile(view, reduction, static_cast<int>(first + i), clock);
+      }
+    });
+    for (const PackedTileData& tile : batch) {
+      writer.add(tile);
+      if (stats != nullptr) stats->records += tile.record_count;
+    }
+    progress.update(static_cast<double>(first + count), static_cast<double>(tiles));
+  }
+  writer.finish(make_info(scene, view, params, tracer.bounds(), clock.samples));
+  if (stats == nullptr) return;
+  stats->sample_ms = static_cast<double>(clock.sample_us) * 1e-3;
+  stats->reduce_ms = static_cast<double>(clock.reduce_us) * 1e-3;
+  stats->pack_ms = static_cast<double>(clock.pack_us) * 1e-3;
+  stats->samples = clock.samples;
+}
+
+}  // namespace
+
+RelightCache prepare_in_memory(const Scene& scene, const Tracer& tracer,
+                               const PrepareParams& params, const ProgressCallback& progress,
+                               PrepareStats* stats) {
+  CacheWriter writer;
+  prepare(scene, tracer, params, writer, progress, stats);
+  return RelightCache::from_bytes(writer.take_bytes(), shader_table(), scene.name);
+}
+
+void prepare_to_file(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+                     const std::filesystem::path& path, const ProgressCallback& progress,
+                     PrepareStats* stats) {
+  CacheWriter writer(path);
+  prepare(scene, tracer, params, writer, progress, stats);
+}
+
+}  // namespace relume

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "core/base/progress.h"
+#include "core/samples/relight_cache.h"
+#include "core/trace/tracer.h"
+#include "reduction/reduction.h"
+
+namespace relume {
+
+/// From a scene to records, tile by tile: sample -> reduce -> pack.
+struct PrepareParams {
+  int spp = 25;              ///< samples per pixel, [1, 1024]; method pure takes `records` instead
+  ReductionParams reduction;
+  int width = 0;             ///< pixels; 0 = the scene's
+  int height = 0;            ///< pixels; 0 = the scene's
+};
+
+struct PrepareStats {
+  double sample_ms = 0;      ///< time of each stage, summed over threads
+  double reduce_ms = 0;
+  double pack_ms = 0;
+  uint64_t samples = 0;
+  uint64_t records = 0;
+};
+
+/// Prepares into memory.
+RelightCache prepare_in_memory(const Scene& scene, const Tracer& tracer,
+                               const PrepareParams& params, const ProgressCallback& progress,
+                               PrepareStats* stats = nullptr);
+
+/// Prepares into a file, streaming: memory does not grow with the image. Nothing appears at `path`
+/// before it is complete.
+void prepare_to_file(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+                     const std::filesystem::path& path, const ProgressCallback& progress,
+                     PrepareStats* stats = nullptr);
+
+}  // namespace relume

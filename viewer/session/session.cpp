@@ -1,0 +1,215 @@
+#include "viewer/session/session.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+#include "core/image/heatmap.h"
+
+namespace relume {
+namespace {
+
+constexpr float ten_times_range = 0.1f;
+
+bool same_request(const RelightRequest& a, const RelightRequest& b) {
+  return a.shadows == b.shadows && same_lighting(a.lights, b.lights);
+}
+
+/// What is wrong with the first light that cannot be used; empty when all can.
+std::string find_problem(std::span<const Light> lights) {
+  try {
+    for (size_t i = 0; i < lights.size(); ++i)
+      validate_light(lights[i], fmt::format("light {}", i + 1));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+Session::Session(SessionParts parts)
+    : scene_(std::move(parts.scene)),
+      tracer_(std::move(parts.tracer)),
+      info_(std::move(parts.info)),
+      rays_(info_.camera, info_.width, info_.height),
+      view_(std::move(parts.view)) {
+  CHECK(parts.frames != nullptr);
+  frame_.worker = std::make_unique<RelightWorker>(std::move(parts.frames));
+  if (parts.reference) {
+    reference_.worker = std::make_unique<RelightWorker>(std::move(parts.reference));
+  }
+  info_.has_reference = reference_.worker != nullptr;
+}
+
+Session::~Session() = default;
+
+void Session::set_notify(const std::function<void()>& notify) {
+  frame_.worker->set_notify(notify);
+  if (reference_.worker) reference_.worker->set_notify(notify);
+}
+
+void Session::update(bool resting) {
+  ask(resting);
+  take();
+  paint();
+}
+
+void Session::wait(bool resting) {
+  bool asked = true;
+  while (asked) {
+    asked = ask(resting);
+    frame_.worker->wait_idle();
+    if (reference_.worker) reference_.worker->wait_idle();
+    take();
+  }
+  paint();
+}
+
+bool Session::ask(bool resting) {
+  view_problem_ = find_problem(view_.lights);
+  if (!view_problem_.empty()) return false;
+  const bool asked_frame = ask(frame_, {view_.lights, view_.shadows});
+  // The reference is slow and nobody watches it while a light is dragged over the frame.
+  const bool wanted = view_.shown != ShownPicture::frame && resting && reference_.worker;
+  const bool asked_reference = wanted && ask(reference_, {view_.lights, ShadowMethod::ray});
+  return asked_frame || asked_reference;
+}
+
+bool Session::ask(Channel& channel, const RelightRequest& request) {
+  if (channel.asked && same_request(*channel.asked, request)) return false;
+  channel.asked = request;
+  channel.worker->submit(request);
+  return true;
+}
+
+void Session::take() {
+  take(frame_);
+  take(reference_);
+  status_.stats = frame_.latest.stats;
+  status_.frame_ms = frame_.latest.ms;
+  status_.problem = view_problem_;
+  if (status_.problem.empty()) status_.problem = frame_.problem;
+  if (status_.problem.empty()) status_.problem = reference_.problem;
+  status_.busy = frame_.worker->busy() || (reference_.worker && reference_.worker->busy());
+}
+
+void Session::take(Channel& channel) {
+  if (!channel.worker || !channel.worker->take(channel.incoming)) return;
+  channel.problem = channel.incoming.error;
+  if (!channel.problem.empty()) return;
+  std::swap(channel.latest, channel.incoming);
+  ++channel.version;
+}
+
+bool Session::frame_is_current() const {
+  const RelightRequest& shown = frame_.latest.request;
+  return shown.shadows == view_.shadows && same_lighting(shown.lights, view_.lights);
+}
+
+ShownPicture Session::paintable() const {
+  const bool reference_is_current =
+      reference_.version > 0 && same_lighting(reference_.latest.request.lights, view_.lights);
+  switch (view_.shown) {
+    case ShownPicture::frame:
+      break;
+    case ShownPicture::reference:
+      if (reference_is_current) return ShownPicture::reference;
+      break;
+    case ShownPicture::heatmap:
+      if (reference_is_current && frame_is_current()) return ShownPicture::heatmap;
+      break;
+  }
+  return ShownPicture::frame;
+}
+
+void Session::paint() {
+  if (frame_.version == 0) return;
+  const ShownPicture shown = paintable();
+  status_.outdated = shown != view_.shown || !frame_is_current();
+  // A heatmap stays, marked as outdated, until the next one is there.
+  if (shown != view_.shown && view_.shown == ShownPicture::heatmap &&
+      status_.painted == ShownPicture::heatmap && picture_.version > 0) {
+    return;
+  }
+  const PaintKey key{shown,
+                     view_.heat_range,
+                     view_.display.curve,
+                     view_.display.exposure,
+                     shown == ShownPicture::reference ? 0 : frame_.version,
+                     shown == ShownPicture::frame ? 0 : reference_.version};
+  if (painted_ == key) return;
+  painted_ = key;
+  status_.painted = shown;
+  status_.error.reset();
+  switch (shown) {
+    case ShownPicture::frame:
+      paint_image(frame_.latest.image);
+      break;
+    case ShownPicture::reference:
+      paint_image(reference_.latest.image);
+      break;
+    case ShownPicture::heatmap:
+      paint_heatmap();
+      break;
+  }
+  ++picture_.version;
+}
+
+void Session::paint_image(const Image& image) {
+  picture_.width = image.width;
+  picture_.height = image.height;
+  picture_.rgba.resize(4 * image.pixel_count());
+  apply_display_rgba(image, view_.display, picture_.rgba);
+}
+
+void Session::paint_heatmap() {
+  const Image& frame = frame_.latest.image;
+  const Image& reference = reference_.latest.image;
+  const Image error = error_image(frame, reference);
+  status_.error = compare_images(frame, reference, info_.coverage);
+  status_.heat_range =
+      view_.heat_range == HeatRange::ten_times ? ten_times_range : automatic_range(error);
+  const DisplayImage heat =
+      render_heatmap(error, {.range = status_.heat_range, .scale_bar = false});
+  picture_.width = heat.width;
+  picture_.height = heat.height;
+  const size_t pixels = static_cast<size_t>(heat.width) * heat.height;
+  picture_.rgba.resize(4 * pixels);
+  for (size_t i = 0; i < pixels; ++i) {
+    for (size_t c = 0; c < 3; ++c) picture_.rgba[4 * i + c] = heat.pixels[heat.channels * i + c];
+    picture_.rgba[4 * i + 3] = 255;
+  }
+}
+
+Session make_session(std::unique_ptr<const Scene> scene, std::unique_ptr<const Tracer> tracer,
+                     RelightCache frames, std::optional<RelightCache> reference) {
+  const CacheInfo& cache = frames.info();
+  SessionParts parts;
+  parts.info = {.title = cache.scene_name,
+                .width = cache.width,
+                .height = cache.height,
+                .camera = cache.camera,
+                .bounds = cache.bounds,
+                .method = cache.method,
+                .records = cache.records,
+                .spp = cache.spp,
+                .record_count = cache.record_count,
+                .coverage = frames.coverage(),
+                .can_trace = tracer != nullptr};
+  parts.view.lights = cache.lights;
+  parts.view.selected_light = cache.lights.empty() ? -1 : 0;
+  parts.view.shadows = tracer ? ShadowMethod::ray : ShadowMethod::none;
+  parts.view.display.exposure = cache.exposure;
+  parts.frames = make_cache_source(std::move(frames), tracer.get());
+  if (reference && tracer) {
+    parts.reference = make_cache_source(std::move(*reference), tracer.get(), ShadowMethod::ray);
+  }
+  parts.scene = std::move(scene);
+  parts.tracer = std::move(tracer);
+  return Session(std::move(parts));
+}
+
+}  // namespace relume

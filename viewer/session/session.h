@@ -1,0 +1,148 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/image/metrics.h"
+#include "core/scene/scene.h"
+#include "viewer/session/relight_worker.h"
+#include "viewer/session/view_state.h"
+
+namespace relume {
+
+/// What never changes while a session is open.
+struct SessionInfo {
+  std::string title;  ///< the scene's name
+  int width = 0;      ///< pixels
+  int height = 0;     ///< pixels
+  Camera camera;
+  Bounds bounds;       ///< of the scene, world
+  std::string method;  ///< reduction label
+  int records = 0;     ///< k asked for per pixel
+  int spp = 0;
+  uint64_t record_count = 0;
+  std::vector<float> coverage;  ///< per pixel in [0, 1]; empty = unknown
+  bool can_trace = false;       ///< traced shadows are available
+  bool has_reference = false;
+};
+
+/// An 8-bit RGBA picture ready for the screen, rows top to bottom.
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::vector<uint8_t> rgba;  ///< 4 * width * height; empty before the first frame
+  uint64_t version = 0;       ///< grows whenever the pixels change
+};
+
+/// What a status bar says.
+struct SessionStatus {
+  RelightStats stats;                          ///< of the last frame
+  double frame_ms = 0;                         ///< wall time of the last frame
+  bool busy = false;                           ///< a frame or reference is being computed
+  ShownPicture painted = ShownPicture::frame;  ///< what the picture really shows now
+  bool outdated = false;                       ///< the picture is not yet what the view asks for
+  std::optional<ImageError> error;  ///< frame against reference, when a heatmap is painted
+  float heat_range = 0;             ///< error at the top of the heatmap's scale
+  std::string problem;              ///< one line, empty = none
+};
+
+/// What a session is made of. `scene` may be null when a cache was opened alone; `tracer` is over
+/// *scene. A null `reference` means that there is none to compare with.
+struct SessionParts {
+  std::unique_ptr<const Scene> scene;
+  std::unique_ptr<const Tracer> tracer;
+  SessionInfo info;
+  ViewState view;
+  std::unique_ptr<FrameSource> frames;
+  std::unique_ptr<FrameSource> reference;
+};
+
+/// One open view: the lights and settings that a person edits, and the pictures that follow from
+/// them. Frames and references are computed on two worker threads; nothing here waits for them but
+/// wait(). Used from one thread. No user interface in it.
+class Session {
+ public:
+  explicit Session(SessionParts parts);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  const SessionInfo& info() const { return info_; }
+  const CameraRays& rays() const { return rays_; }
+
+  /// Edited in place; update() notices what changed.
+  ViewState& view() { return view_; }
+  const ViewState& view() const { return view_; }
+
+  /// Sends changed lights to the workers, takes what they finished and repaints the picture when it
+  /// has to. `resting`: no light is being dragged; only then is the reference computed.
+  void update(bool resting);
+
+  /// update() until the picture is what the view asks for.
+  void wait(bool resting);
+
+  const Picture& picture() const { return picture_; }
+  const SessionStatus& status() const { return status_; }
+
+  /// The last frame that worked, scene-linear; an empty image before the first.
+  const RelitFrame& frame() const { return frame_.latest; }
+
+  /// `notify` is called, from a worker's thread, when update() has something to take. See
+  /// RelightWorker::set_notify.
+  void set_notify(const std::function<void()>& notify);
+
+ private:
+  /// A worker with what was asked of it and what came back.
+  struct Channel {
+    std::unique_ptr<RelightWorker> worker;  ///< null: no such source
+    std::optional<RelightRequest> asked;
+    RelitFrame incoming;
+    RelitFrame latest;     ///< last frame without error
+    uint64_t version = 0;  ///< frames taken so far without error; 0 = latest is empty
+    std::string problem;   ///< of the last frame taken
+  };
+
+  /// All that the painted picture depends on.
+  struct PaintKey {
+    ShownPicture shown;
+    HeatRange heat_range;
+    ToneCurve curve;
+    float exposure;
+    uint64_t frame;
+    uint64_t reference;
+    bool operator==(const PaintKey&) const = default;
+  };
+
+  bool ask(bool resting);
+  bool ask(Channel& channel, const RelightRequest& request);
+  void take();
+  static void take(Channel& channel);
+  void paint();
+  bool frame_is_current() const;
+  ShownPicture paintable() const;
+  void paint_image(const Image& image);
+  void paint_heatmap();
+
+  std::unique_ptr<const Scene> scene_;
+  std::unique_ptr<const Tracer> tracer_;
+  SessionInfo info_;
+  CameraRays rays_;
+  ViewState view_;
+  Picture picture_;
+  SessionStatus status_;
+  std::string view_problem_;
+  std::optional<PaintKey> painted_;
+  Channel frame_;  // the channels go first: their sources may use tracer_
+  Channel reference_;
+};
+
+/// A session over a scene's caches. `frames` holds the reduced records; `reference`, prepared with
+/// ReductionMethod::all, is relit with traced shadows and needs the tracer. The view starts with
+/// the cache's lights and exposure and the first light selected.
+Session make_session(std::unique_ptr<const Scene> scene, std::unique_ptr<const Tracer> tracer,
+                     RelightCache frames, std::optional<RelightCache> reference);
+
+}  // namespace relume

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/base/label.h"
+#include "core/image/display_transform.h"
+#include "core/scene/light.h"
+#include "shadow/shadow.h"
+
+namespace relume {
+
+/// What the picture shows. `reference` is every sample with traced shadows; `heatmap` is the error
+/// of the frame against it.
+enum class ShownPicture { frame, reference, heatmap };
+
+inline constexpr std::array shown_picture_labels = {
+    Label<ShownPicture>{ShownPicture::frame, "frame"},
+    Label<ShownPicture>{ShownPicture::reference, "reference"},
+    Label<ShownPicture>{ShownPicture::heatmap, "heatmap"},
+};
+
+/// Where the heatmap's scale ends: at an error of 0.1, so that errors are shown ten times enlarged
+/// as in TR2007-600, or where the picture's own errors end (automatic_range).
+enum class HeatRange { ten_times, automatic };
+
+inline constexpr std::array heat_range_labels = {
+    Label<HeatRange>{HeatRange::ten_times, "10x"},
+    Label<HeatRange>{HeatRange::automatic, "auto"},
+};
+
+/// Everything that a person sets in the viewer, and nothing else: copying it is a snapshot.
+struct ViewState {
+  std::vector<Light> lights;
+  int selected_light = -1;  ///< index into lights, or -1
+  ShownPicture shown = ShownPicture::frame;
+  ShadowMethod shadows = ShadowMethod::ray;
+  DisplayTransform display;
+  HeatRange heat_range = HeatRange::ten_times;
+  float zoom = 0;          ///< screen pixels per picture pixel; 0 = fit into the window
+  vec2 zoom_center_px{0};  ///< picture position in the middle of the window when zoom > 0
+};
+
+/// True when both give the same frame: lights equal in all but their names.
+bool same_lighting(std::span<const Light> a, std::span<const Light> b);
+
+}  // namespace relume
