@@ -40,8 +40,8 @@ Error limit_error(std::string_view place, std::string_view what, std::string_vie
 /// Same shape, with exit code 5: a file could not be written.
 Error output_error(std::string_view place, std::string_view what, std::string_view mend);
 
-/// `text` with control characters replaced by '?' and cut to at most `max_length` bytes, so that text
-/// from a hostile file is safe to print.
+/// `text` with control characters and invalid UTF-8 replaced by '?' and cut, between characters, to at
+/// most `max_length` bytes and "...", so that text from a hostile file is safe to print and to store.
 std::string printable(std::string_view text, size_t max_length = 200);
 
 }  // namespace relume

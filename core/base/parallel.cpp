@@ -24,20 +24,38 @@ namespace {
 
 int limit_from_user = 0;
 
-std::unique_ptr<tbb::global_control>& global_limit() {
-  static std::unique_ptr<tbb::global_control> limit;
-  return limit;
+/// The user's threads. The arena is what lets a loop use more of them than the machine has, which
+/// tests of determinism need; the control holds for Embree's loops too.
+struct Threads {
+  tbb::global_control limit;
+  tbb::task_arena arena;
+  explicit Threads(int count)
+      : limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(count)),
+        arena(count) {}
+};
+
+std::unique_ptr<Threads>& user_threads() {
+  static std::unique_ptr<Threads> threads;
+  return threads;
+}
+
+/// Runs `loop` on the user's threads, or on all.
+template <class Loop>
+void run(const Loop& loop) {
+  // Isolated: a thread that waits here does not pick up another loop's work while it holds locks.
+  if (const auto& threads = user_threads()) {
+    threads->arena.execute([&] { tbb::this_task_arena::isolate(loop); });
+  } else {
+    tbb::this_task_arena::isolate(loop);
+  }
 }
 
 }  // namespace
 
 void set_thread_count(int count) {
   limit_from_user = std::max(0, count);
-  global_limit().reset();
-  if (limit_from_user > 0) {
-    global_limit() = std::make_unique<tbb::global_control>(
-        tbb::global_control::max_allowed_parallelism, static_cast<size_t>(limit_from_user));
-  }
+  user_threads().reset();
+  if (limit_from_user > 0) user_threads() = std::make_unique<Threads>(limit_from_user);
 }
 
 int thread_count() {
@@ -50,8 +68,7 @@ void parallel_for(size_t count, size_t grain,
   char fork_edge = 0;
   char join_edge = 0;
   __tsan_release(&fork_edge);
-  // Isolated: a thread that waits here does not pick up another loop's work while it holds locks.
-  tbb::this_task_arena::isolate([&] {
+  run([&] {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, std::max<size_t>(1, grain)),
                       [&](const tbb::blocked_range<size_t>& range) {
                         __tsan_acquire(&fork_edge);

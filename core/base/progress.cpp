@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <utility>
@@ -52,7 +53,7 @@ void Progress::update(double done, double total) {
   const double now_ms = timer_.ms();
   if (!finished && now_ms - last_report_ms_ < 100) return;
   last_report_ms_ = now_ms;
-  const double fraction = total > 0 ? done / total : 1.0;
+  const double fraction = total > 0 ? std::clamp(done / total, 0.0, 1.0) : 1.0;
   const double seconds_left =
       fraction > 0.01 ? now_ms * 1e-3 * (1 - fraction) / fraction : -1.0;
   if (!callback_(stage_, fraction, seconds_left)) {

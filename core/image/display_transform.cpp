@@ -11,7 +11,8 @@ namespace relume {
 namespace {
 
 // A float's bits, cut to 10 bits of mantissa, index a table that spans the octaves in which the
-// output changes. A cell is at most 0.11 code values wide, so a byte is within 0.56 of the exact value.
+// output changes. A cell is at most 0.11 code values wide, so a byte is within 0.56 of the exact
+// value.
 constexpr int mantissa_bits = 10;
 constexpr int index_shift = 23 - mantissa_bits;
 constexpr float lowest = 0x1p-14f;  ///< 0.2 code values in sRGB

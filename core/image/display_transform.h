@@ -19,7 +19,8 @@ struct DisplayTransform {
   ToneCurve curve = ToneCurve::srgb;
 };
 
-/// `image` (first three channels) as 8-bit RGB. Parallel; deterministic.
+/// `image` (first three channels) as 8-bit RGB, within 0.6 code values of the exact curve. Negative
+/// values and NaN give 0, infinity 255. Parallel; deterministic.
 DisplayImage apply_display(const Image& image, const DisplayTransform& transform);
 
 /// The same as RGBA with alpha 255, into a caller's buffer of 4 * pixels bytes; no allocation.

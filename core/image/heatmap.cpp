@@ -16,12 +16,23 @@ constexpr float smallest_range = 1e-9f;
 
 /// The map at multiples of 1/16.
 constexpr std::array<std::array<float, 3>, 17> inferno_knots{{
-    {0.0015f, 0.0005f, 0.0139f}, {0.0423f, 0.0281f, 0.1411f}, {0.1293f, 0.0473f, 0.2908f},
-    {0.2383f, 0.0366f, 0.3964f}, {0.3415f, 0.0623f, 0.4294f}, {0.4412f, 0.0993f, 0.4316f},
-    {0.5409f, 0.1347f, 0.4151f}, {0.6401f, 0.1714f, 0.3811f}, {0.7357f, 0.2159f, 0.3302f},
-    {0.8224f, 0.2752f, 0.2661f}, {0.8943f, 0.3534f, 0.1936f}, {0.9470f, 0.4492f, 0.1153f},
-    {0.9784f, 0.5579f, 0.0349f}, {0.9879f, 0.6753f, 0.0653f}, {0.9746f, 0.7977f, 0.2063f},
-    {0.9476f, 0.9174f, 0.4107f}, {0.9884f, 0.9984f, 0.6449f},
+    {0.0015f, 0.0005f, 0.0139f},
+    {0.0423f, 0.0281f, 0.1411f},
+    {0.1293f, 0.0473f, 0.2908f},
+    {0.2383f, 0.0366f, 0.3964f},
+    {0.3415f, 0.0623f, 0.4294f},
+    {0.4412f, 0.0993f, 0.4316f},
+    {0.5409f, 0.1347f, 0.4151f},
+    {0.6401f, 0.1714f, 0.3811f},
+    {0.7357f, 0.2159f, 0.3302f},
+    {0.8224f, 0.2752f, 0.2661f},
+    {0.8943f, 0.3534f, 0.1936f},
+    {0.9470f, 0.4492f, 0.1153f},
+    {0.9784f, 0.5579f, 0.0349f},
+    {0.9879f, 0.6753f, 0.0653f},
+    {0.9746f, 0.7977f, 0.2063f},
+    {0.9476f, 0.9174f, 0.4107f},
+    {0.9884f, 0.9984f, 0.6449f},
 }};
 
 /// Knot `i`; beyond the ends the first and last differences repeat.
@@ -89,7 +100,9 @@ struct BarLayout {
   int bar_width() const { return width - 2 * margin; }
 };
 
-std::string tick_label(float value) { return fmt::format("{:.3g}", value); }
+std::string tick_label(float value) {
+  return fmt::format("{:.3g}", value);
+}
 
 /// As many equal intervals as keep neighbouring labels apart; a range that starts with 2 divides
 /// nicely by 4, others by 5.
@@ -123,7 +136,8 @@ void draw_scale_bar(DisplayImage& image, const BarLayout& layout, int top, float
   constexpr Rgb ink{230, 230, 230};
   const int bar_width = layout.bar_width();
   for (int x = 0; x < bar_width; ++x) {
-    const float value = bar_width > 1 ? static_cast<float>(x) / static_cast<float>(bar_width - 1) : 0;
+    const float value =
+        bar_width > 1 ? static_cast<float>(x) / static_cast<float>(bar_width - 1) : 0;
     const Rgb color = encoded_heat_color(value);
     for (int y = 0; y < layout.bar_height(); ++y) {
       const bool edge = x == 0 || x == bar_width - 1 || y == 0 || y == layout.bar_height() - 1;
@@ -150,8 +164,8 @@ vec3 heat_color(float value) {
   if (std::isnan(value)) return {1, 0, 1};
   const float x = 16.0f * std::clamp(value, 0.0f, 1.0f);
   const int i = std::min(static_cast<int>(x), 15);
-  const vec3 color = interpolate_knots(knot(i - 1), knot(i), knot(i + 1), knot(i + 2),
-                                       x - static_cast<float>(i));
+  const vec3 color =
+      interpolate_knots(knot(i - 1), knot(i), knot(i + 1), knot(i + 2), x - static_cast<float>(i));
   return glm::clamp(color, 0.0f, 1.0f);
 }
 

@@ -48,7 +48,9 @@ struct Source {
   }
 };
 
-Source own_source(const std::filesystem::path& path) { return {path, path.string()}; }
+Source own_source(const std::filesystem::path& path) {
+  return {path, path.string()};
+}
 
 struct OpenImage {
   std::unique_ptr<OIIO::ImageInput> input;
@@ -59,8 +61,8 @@ void check_size(const Source& source, const OIIO::ImageSpec& spec) {
   for (const int size : {spec.width, spec.height, spec.full_width, spec.full_height}) {
     if (size < 1) throw source.broken("the image has no pixels", "give another image");
     if (size > max_size_px) {
-      throw limit_error(source.place, fmt::format("{} x {} pixels is too large", spec.width,
-                                                  spec.height),
+      throw limit_error(source.place,
+                        fmt::format("{} x {} pixels is too large", spec.width, spec.height),
                         fmt::format("the limit is {0} x {0}", max_size_px));
     }
   }
@@ -73,7 +75,8 @@ void check_size(const Source& source, const OIIO::ImageSpec& spec) {
   }
 }
 
-/// libpng reports a file that ends early to stderr by itself, so the chunks of a PNG are walked first.
+/// libpng reports a file that ends early to stderr by itself, so the chunks of a PNG are walked
+/// first.
 void check_png_complete(const Source& source) {
   const MappedFile file(source.path);
   const std::span<const std::byte> bytes = file.bytes();
@@ -102,8 +105,7 @@ OpenImage open_image(const Source& source) {
   check_png_complete(source);
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
-  std::unique_ptr<OIIO::ImageInput> input =
-      OIIO::ImageInput::open(source.path.string(), &config);
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(source.path.string(), &config);
   if (!input) throw source.unreadable(OIIO::geterror());
   const std::string_view format = input->format_name();
   if (std::find(known_formats.begin(), known_formats.end(), format) == known_formats.end()) {
@@ -116,8 +118,12 @@ OpenImage open_image(const Source& source) {
   return image;
 }
 
-OIIO::TypeDesc type_of(const float*) { return OIIO::TypeDesc::FLOAT; }
-OIIO::TypeDesc type_of(const uint8_t*) { return OIIO::TypeDesc::UINT8; }
+OIIO::TypeDesc type_of(const float*) {
+  return OIIO::TypeDesc::FLOAT;
+}
+OIIO::TypeDesc type_of(const uint8_t*) {
+  return OIIO::TypeDesc::UINT8;
+}
 
 /// Reads all channels, band by band; row(y, values) gets each row, counted from the data's top.
 template <class Value>
@@ -135,13 +141,12 @@ void read_rows(const Source& source, OpenImage& image,
   const OIIO::TypeDesc type = type_of(band.data());
   for (int top = 0; top < spec.height; top += band_rows) {
     const int bottom = std::min(spec.height, top + band_rows);
-    const bool ok =
-        spec.tile_width > 0
-            ? image.input->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + top,
-                                      spec.y + bottom, spec.z, spec.z + 1, 0, spec.nchannels, type,
-                                      band.data())
-            : image.input->read_scanlines(0, 0, spec.y + top, spec.y + bottom, spec.z, 0,
-                                          spec.nchannels, type, band.data());
+    const bool ok = spec.tile_width > 0
+                        ? image.input->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + top,
+                                                  spec.y + bottom, spec.z, spec.z + 1, 0,
+                                                  spec.nchannels, type, band.data())
+                        : image.input->read_scanlines(0, 0, spec.y + top, spec.y + bottom, spec.z,
+                                                      0, spec.nchannels, type, band.data());
     if (!ok) throw source.unreadable(image.input->geterror());
     for (int y = top; y < bottom; ++y) row(y, band.data() + row_values * (y - top));
   }
@@ -278,7 +283,8 @@ Texture read_texture(const Source& source, bool srgb) {
   const RgbChannels rgb = find_rgb(spec);
   const int alpha = spec.alpha_channel;
   const bool encode = srgb && !is_srgb_encoded(spec);
-  Texture texture{source.path.lexically_normal().generic_string(), spec.width, spec.height, srgb, {}};
+  Texture texture{
+      source.path.lexically_normal().generic_string(), spec.width, spec.height, srgb, {}};
   texture.texels.reserve(static_cast<size_t>(spec.width) * spec.height * 4);
   const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
   if (bytes) {

@@ -4,6 +4,7 @@
 // RELUME_ISA. Pure functions on flat arrays; no std:: or glm:: calls (see core/simd/pack.h).
 
 #include "core/relight/kernel.h"
+#include "core/shade/incident.h"
 #include "core/shade/shader_list.h"
 #include "core/simd/pack.h"
 
@@ -11,34 +12,18 @@ namespace relume::RELUME_ISA {
 
 inline constexpr int lanes = 16;  // block_lanes of core/samples/relight_cache.h
 
-using F = Pack<native_width>;
-using V = Vec3<F>;
-
-/// Direction to the light and irradiance on a plane that faces it, per unit weight.
-struct Incident {
-  V wi;
-  F irradiance;
-};
-
-template <LightKernel kind>
-Incident incident(const KernelLight& light, V p) {
-  if constexpr (kind == LightKernel::directional) {
-    return {{F(light.to_light[0]), F(light.to_light[1]), F(light.to_light[2])}, F(1)};
-  } else {
-    const V d{F(light.position[0]) - p.x, F(light.position[1]) - p.y, F(light.position[2]) - p.z};
-    const F distance_squared = min(max(dot(d, d), F(light.min_distance_squared)), F(1e36f));
-    const F inverse_distance = rsqrt(distance_squared);
-    const V wi = d * inverse_distance;
-    constexpr bool falloff = kind == LightKernel::point || kind == LightKernel::spot;
-    F irradiance = falloff ? inverse_distance * inverse_distance : F(1);
-    if constexpr (kind == LightKernel::spot || kind == LightKernel::spot_constant) {
-      const V axis{F(light.to_light[0]), F(light.to_light[1]), F(light.to_light[2])};
-      const F t = min(max((dot(wi, axis) - F(light.cos_outer)) * F(light.inverse_cos_range), F(0)),
-                      F(1));
-      irradiance = irradiance * t * t * (F(3) - F(2) * t);
-    }
-    return {wi, irradiance};
+/// Radiance towards wo per unit irradiance: the lobes times their colours.
+template <class Shader, class Load>
+V respond(const Load& field, V wi, V wo) {
+  const auto lobes = Shader::template lobes<F>(field, wi, wo);
+  V sum{F(0), F(0), F(0)};
+  int k = 0;
+  for (const int color : Shader::colors) {
+    const F lobe = lobes.value[k++];
+    sum = {fma(field(color), lobe, sum.x), fma(field(color + 1), lobe, sum.y),
+           fma(field(color + 2), lobe, sum.z)};
   }
+  return sum;
 }
 
 /// Shades `slots` slots of one shader and adds them to rgb, lane by lane in slot order.
@@ -46,6 +31,7 @@ template <class Shader, LightKernel kind, bool shadowed>
 void shade_slots(const float* data, const float* visibility, int slots, int width, const float* eye,
                  const KernelLight& light, float* rgb) {
   const int slot_floats = (1 + width) * lanes;
+  const LightPack light_pack = broadcast(light);
   for (int lane = 0; lane < lanes; lane += native_width) {
     F red = F::load(rgb + lane);
     F green = F::load(rgb + lanes + lane);
@@ -54,12 +40,11 @@ void shade_slots(const float* data, const float* visibility, int slots, int widt
       const float* base = data + static_cast<int64_t>(slot) * slot_floats + lane;
       const auto field = [base](int i) { return F::load(base + (1 + i) * lanes); };
       const V p{field(0), field(1), field(2)};
-      const Incident in = incident<kind>(light, p);
-      const V to_eye{F(eye[0]) - p.x, F(eye[1]) - p.y, F(eye[2]) - p.z};
-      const V wo = to_eye * rsqrt(min(max(dot(to_eye, to_eye), F(1e-36f)), F(1e36f)));
+      const Incident in = incident<kind>(light_pack, p);
+      const V wo = direction_to(V{F(eye[0]), F(eye[1]), F(eye[2])}, p);
       F scale = F::load(base) * in.irradiance;
       if constexpr (shadowed) scale = scale * F::load(visibility + slot * lanes + lane);
-      const V response = Shader::template kernel<F>(field, in.wi, wo);
+      const V response = respond<Shader>(field, in.wi, wo);
       red = fma(response.x, scale, red);
       green = fma(response.y, scale, green);
       blue = fma(response.z, scale, blue);

@@ -9,7 +9,6 @@
 #include "core/relight/kernel.h"
 #include "core/relight/receivers.h"
 #include "core/samples/sample_tile.h"
-#include "core/shade/reference.h"
 #include "core/shade/shaders.h"
 
 namespace relume {
@@ -33,35 +32,6 @@ CacheView make_view(const RelightCache& cache, const RelightParams& params) {
     view.widths.push_back(type.width);
   }
   return view;
-}
-
-LightKernel kernel_kind(const Light& light) {
-  switch (light.type) {
-    case LightType::point:
-      return light.falloff ? LightKernel::point : LightKernel::point_constant;
-    case LightType::spot:
-      return light.falloff ? LightKernel::spot : LightKernel::spot_constant;
-    case LightType::directional:
-      return LightKernel::directional;
-  }
-  return LightKernel::point;
-}
-
-KernelLight make_kernel_light(const Light& light, float scene_radius) {
-  KernelLight kernel;
-  kernel.kind = kernel_kind(light);
-  const vec3 to_light = -normalize_or(light.direction, vec3(0, -1, 0));
-  for (int i = 0; i < 3; ++i) {
-    kernel.position[i] = light.position[i];
-    kernel.to_light[i] = to_light[i];
-  }
-  // A cone whose edge is sharper than float cosines resolve becomes a step of that width.
-  kernel.cos_outer = std::cos(radians_from_degrees(light.outer_angle_deg));
-  const float range = std::cos(radians_from_degrees(light.inner_angle_deg)) - kernel.cos_outer;
-  kernel.inverse_cos_range = 1.0f / std::max(range, 1e-6f);
-  const float closest = static_cast<float>(min_light_distance) * scene_radius;
-  kernel.min_distance_squared = std::max(closest * closest, 1e-36f);
-  return kernel;
 }
 
 /// Shades one block and hands its pixels to the film.
@@ -143,25 +113,28 @@ RelightStats relight(RelightState& state, std::span<const Light> lights, Visibil
   }
   const CacheView view = make_view(*state.cache, params);
   RelightStats stats;
-  const size_t known = std::min(state.lights.size(), state.layers.size());
+  // Kept in step light by light, so that an exception on the way leaves no layer of another light.
+  state.lights.resize(std::min(state.lights.size(), state.layers.size()));
+  const size_t known = state.lights.size();
+  state.lights.resize(lights.size());
   state.layers.resize(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) {
     const bool current = i < known && same_layer(state.lights[i], lights[i]) &&
                          state.layers[i].width > 0;
     // A muted light is not shaded: its layer waits until it is wanted.
-    if (current || lights[i].mute) {
-      if (!current) state.layers[i] = Image();
-      continue;
-    }
+    if (!current) state.layers[i] = Image();
+    state.lights[i] = lights[i];
+    if (current || lights[i].mute) continue;
     const bool shadowed = shadows != nullptr && lights[i].casts_shadow;
     const Timer prepare_timer;
     if (shadowed) shadows->prepare(lights[i]);
     stats.prepare_ms += prepare_timer.ms();
     const Timer shade_timer;
-    shade_layer(view, lights[i], shadowed ? shadows : nullptr, state.layers[i], stats);
+    Image layer;
+    shade_layer(view, lights[i], shadowed ? shadows : nullptr, layer, stats);
+    state.layers[i] = std::move(layer);
     stats.shade_ms += shade_timer.ms();
   }
-  state.lights.assign(lights.begin(), lights.end());
   const Timer combine_timer;
   combine_layers(state, stats);
   stats.combine_ms = combine_timer.ms();

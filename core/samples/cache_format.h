@@ -5,11 +5,13 @@
 #include <vector>
 
 #include "core/samples/relight_cache.h"
+#include "core/scene/limits.h"
 
 namespace relume {
 
 // The .relume file, version 1, little-endian (docs/cache-format.md):
 //   CacheHeader | tile chunks, each 64-byte aligned | info | TileEntry[tile_count]
+// The tiles are those of the image, row by row, and their chunks follow each other in that order.
 // A tile chunk: data (floats, see PackedBlock), block headers, coverage bytes.
 // A block header: u32 first float of the block's data | u8 lanes | u8 pixels[16] | pad to 24 |
 // u16 slots[type_count] | pad to 8.
@@ -17,7 +19,6 @@ namespace relume {
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
 inline constexpr uint32_t cache_version = 1;
 inline constexpr uint32_t cache_endian_mark = 0x01020304;
-inline constexpr int max_image_side = 16384;  ///< pixels
 inline constexpr int max_slots = 4096;        ///< of one type in one block: samples a pixel
 
 struct CacheHeader {

@@ -10,7 +10,6 @@ namespace relume {
 namespace {
 
 constexpr uint64_t max_text_bytes = uint64_t{64} << 20;
-constexpr uint64_t max_lights = 4096;
 
 /// Appends values to a byte string.
 class Writer {
@@ -158,13 +157,18 @@ void check_info(const CacheInfo& info, const Reader& reader, const std::string& 
       !(camera.fov_y_deg > 0 && camera.fov_y_deg < 179) || camera.eye == camera.target) {
     reader.fail("the camera is not valid");
   }
-  if (!info.bounds.empty() && (!is_finite(info.bounds.low) || !is_finite(info.bounds.high))) {
-    reader.fail("the scene bounds are not finite");
+  const Bounds& bounds = info.bounds;
+  const bool no_bounds = bounds.low == Bounds().low && bounds.high == Bounds().high;
+  if (!no_bounds && !(is_coordinate(bounds.low) && is_coordinate(bounds.high) &&
+                      glm::all(glm::lessThanEqual(bounds.low, bounds.high)))) {
+    reader.fail("the scene bounds are not valid");
   }
   if (!is_finite(info.exposure)) reader.fail("the exposure is not finite");
   for (size_t i = 0; i < info.lights.size(); ++i) {
     validate_light(info.lights[i], fmt::format("{}: lights/{}", place, i));
   }
+  validate_light(info.representative_low, place + ": representative_lights/0");
+  validate_light(info.representative_high, place + ": representative_lights/1");
 }
 
 }  // namespace

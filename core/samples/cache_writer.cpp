@@ -27,6 +27,7 @@ CacheWriter::CacheWriter(const std::filesystem::path& path) : file_(std::in_plac
 }
 
 void CacheWriter::append(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return;
   if (file_) {
     file_->append(bytes);
   } else {
@@ -73,9 +74,7 @@ void CacheWriter::finish(CacheInfo info) {
   const std::vector<std::byte> encoded = encode_info(info);
   header.info_offset = size_;
   header.info_size = encoded.size();
-  std::vector<std::byte> padded = encoded;
-  padded.resize(align_up(padded.size()));
-  append(padded);
+  append(encoded);
   header.directory_offset = size_;
   header.tile_count = directory_.size();
   const auto directory = std::as_bytes(std::span(directory_));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/base/error.h"
@@ -19,6 +20,14 @@ namespace {
 /// True when [offset, offset + size) lies within `total`, without overflow.
 bool inside(uint64_t offset, uint64_t size, uint64_t total) {
   return offset <= total && size <= total - offset;
+}
+
+size_t tiles_across(int pixels) { return static_cast<size_t>((pixels + tile_size - 1) / tile_size); }
+
+TileEntry read_entry(std::span<const std::byte> directory, size_t i) {
+  TileEntry entry;
+  std::memcpy(&entry, directory.data() + i * sizeof(entry), sizeof(entry));
+  return entry;
 }
 
 CacheHeader read_header(std::span<const std::byte> bytes, const std::string& place) {
@@ -64,15 +73,33 @@ RelightCache RelightCache::from_bytes(CacheBytes bytes, std::span<const ShaderIn
   return cache;
 }
 
+void RelightCache::check_order(std::span<const std::byte> directory,
+                               const std::string& place) const {
+  const size_t across = tiles_across(info_.width);
+  if (tiles_.size() != across * tiles_across(info_.height)) corrupt(place, "tiles are missing");
+  uint64_t end = sizeof(CacheHeader);
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const TileEntry entry = read_entry(directory, i);
+    const auto x0 = static_cast<int>(i % across) * tile_size;
+    const auto y0 = static_cast<int>(i / across) * tile_size;
+    if (entry.x0 != x0 || entry.y0 != y0 || entry.width != std::min(tile_size, info_.width - x0) ||
+        entry.height != std::min(tile_size, info_.height - y0)) {
+      corrupt(place, "a tile is not where it belongs in the image");
+    }
+    if (entry.offset < end || !inside(entry.offset, entry.size, bytes_.size())) {
+      corrupt(place, "a tile lies outside the file or within another");
+    }
+    end = entry.offset + entry.size;
+  }
+}
+
 PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& place) const {
   const uint64_t pixels = uint64_t{entry.width} * entry.height;
   const size_t stride = block_stride(info_.types.size());
-  if (entry.width < 1 || entry.width > tile_size || entry.height < 1 || entry.height > tile_size ||
-      entry.x0 + entry.width > info_.width || entry.y0 + entry.height > info_.height ||
-      entry.offset % 64 != 0 || !inside(entry.offset, entry.size, bytes_.size()) ||
-      entry.data_floats > entry.size / sizeof(float) || entry.block_count > pixels ||
+  if (entry.offset % 64 != 0 || entry.data_floats > entry.size / sizeof(float) ||
+      entry.block_count > pixels ||
       !inside(entry.data_floats * sizeof(float), entry.block_count * stride + pixels, entry.size)) {
-    corrupt(place, "a tile lies outside the file or the image");
+    corrupt(place, "a tile's parts do not fit into it");
   }
   const std::byte* start = bytes_.data() + entry.offset;
   if (hash_bytes({start, entry.size}) != entry.hash) corrupt(place, "a checksum does not match");
@@ -111,11 +138,10 @@ void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::
   }
   info_ = decode_info(info, shaders, place);
   tiles_.resize(header.tile_count);
+  check_order(directory, place);
   parallel_for(header.tile_count, 16, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      TileEntry entry;
-      std::memcpy(&entry, directory.data() + i * sizeof(entry), sizeof(entry));
-      tiles_[i] = check_tile(entry, place);
+      tiles_[i] = check_tile(read_entry(directory, i), place);
     }
   });
 }

@@ -92,6 +92,7 @@ class RelightCache {
  private:
   RelightCache() = default;
   void parse(std::span<const ShaderInfo* const> shaders, const std::string& place);
+  void check_order(std::span<const std::byte> directory, const std::string& place) const;
   PackedTile check_tile(const TileEntry& entry, const std::string& place) const;
 
   MappedFile file_;

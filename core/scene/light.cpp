@@ -25,7 +25,9 @@ vec3 between(vec3 low, vec3 high, Random& random) {
 }  // namespace
 
 void validate_light(const Light& light, const std::string& place) {
-  require(is_finite(light.position), place, "position", "is not finite", "give three numbers");
+  // Squared distances must stay within a float.
+  require(is_finite(light.position) && max_abs_component(light.position) <= 1e15f, place, "position",
+          "is not finite or above 1e15", "give three numbers; for a light that far, a directional one");
   require(is_finite(light.direction) && glm::length(dvec3(light.direction)) > 0, place, "direction",
           "is zero or not finite", "give three numbers, not all zero");
   require(light.outer_angle_deg > 0 && light.outer_angle_deg <= 90, place, "outer_angle_deg",

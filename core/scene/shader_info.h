@@ -57,6 +57,13 @@ struct ShaderInfo {
   bool two_sided_transmission = false;  ///< lit from behind too
 };
 
+/// The scalar factors of a shader's response that its colours multiply: response = sum over k of
+/// color[k] * value[k].
+template <class F, int N>
+struct Lobes {
+  F value[N];
+};
+
 /// The fields every sample starts with, whatever its shader: indices into ShaderInfo::fields.
 inline constexpr int position_field = 0;
 inline constexpr int bias_field = 1;

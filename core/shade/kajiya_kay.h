@@ -37,19 +37,19 @@ struct KajiyaKay {
     return diffuse * (2 / two_pi * sin_i) + specular * lobe;
   }
 
+  /// As Lambert::lobes.
+  static constexpr int colors[] = {7, 10};
   template <class F, class Load, class Vec>
-  static auto kernel(const Load& f, const Vec& wi, const Vec& wo) {
+  static Lobes<F, 2> lobes(const Load& f, const Vec& wi, const Vec& wo) {
     const Vec t{f(4), f(5), f(6)};
     const F cos_i = dot(t, wi);
     const F cos_o = dot(t, wo);
-    const F sin_i = sqrt(max(F(0), F(1) - cos_i * cos_i));
-    const F sin_o = sqrt(max(F(0), F(1) - cos_o * cos_o));
-    const F peak = max(F(0), sin_i * sin_o - cos_i * cos_o);
+    const F sin_i = sqrt(max(F(1) - cos_i * cos_i, F(0)));
+    const F sin_o = sqrt(max(F(1) - cos_o * cos_o, F(0)));
+    const F peak = max(sin_i * sin_o - cos_i * cos_o, F(0));
     const F exponent = f(13);
-    const F lobe = (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(peak, exponent);
-    const F base = sin_i * F(inv_pi);
-    return Vec{fma(f(10), lobe, f(7) * base), fma(f(11), lobe, f(8) * base),
-               fma(f(12), lobe, f(9) * base)};
+    return {{sin_i * F(inv_pi),
+             (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(peak, exponent)}};
   }
 };
 

@@ -23,11 +23,13 @@ struct Lambert {
     return diffuse / 3.14159265358979323846 * std::max(0.0, glm::dot(n, wi));
   }
 
-  /// The same for one pack of records; `f(i)` loads float i of the sample vectors.
+  /// The same as lobes: response = sum over lobes of color * lobe. `colors` holds the first float of
+  /// each lobe's colour; `f(i)` loads float i of the sample vectors. F is a pack of floats or of dual
+  /// numbers, so derivatives need no code here.
+  static constexpr int colors[] = {7};
   template <class F, class Load, class Vec>
-  static auto kernel(const Load& f, const Vec& wi, const Vec& /*wo*/) {
-    const F cosine = max(F(0), dot(Vec{f(4), f(5), f(6)}, wi)) * F(inv_pi);
-    return Vec{f(7) * cosine, f(8) * cosine, f(9) * cosine};
+  static Lobes<F, 1> lobes(const Load& f, const Vec& wi, const Vec& /*wo*/) {
+    return {{max(dot(Vec{f(4), f(5), f(6)}, wi), F(0)) * F(inv_pi)}};
   }
 };
 

@@ -25,13 +25,12 @@ struct Leaf {
     return color / pi_double * std::abs(n_wi);
   }
 
+  /// As Lambert::lobes.
+  static constexpr int colors[] = {7, 10};
   template <class F, class Load, class Vec>
-  static auto kernel(const Load& f, const Vec& wi, const Vec& /*wo*/) {
+  static Lobes<F, 2> lobes(const Load& f, const Vec& wi, const Vec& /*wo*/) {
     const F n_wi = dot(Vec{f(4), f(5), f(6)}, wi) * F(inv_pi);
-    const F front = max(F(0), n_wi);
-    const F back = max(F(0), F(0) - n_wi);
-    return Vec{fma(f(7), front, f(10) * back), fma(f(8), front, f(11) * back),
-               fma(f(9), front, f(12) * back)};
+    return {{max(n_wi, F(0)), max(F(0) - n_wi, F(0))}};
   }
 };
 

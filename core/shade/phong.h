@@ -33,16 +33,16 @@ struct Phong {
     return (diffuse * (2 / two_pi) + specular * lobe) * n_wi;
   }
 
+  /// As Lambert::lobes.
+  static constexpr int colors[] = {7, 10};
   template <class F, class Load, class Vec>
-  static auto kernel(const Load& f, const Vec& wi, const Vec& wo) {
+  static Lobes<F, 2> lobes(const Load& f, const Vec& wi, const Vec& wo) {
     const Vec n{f(4), f(5), f(6)};
-    const F n_wi = max(F(0), dot(n, wi));
-    const F r_wo = max(F(0), F(2) * n_wi * dot(n, wo) - dot(wi, wo));
+    const F n_wi = max(dot(n, wi), F(0));
+    const F r_wo = max(F(2) * n_wi * dot(n, wo) - dot(wi, wo), F(0));
     const F exponent = f(13);
-    const F lobe = n_wi * (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(r_wo, exponent);
-    const F base = n_wi * F(inv_pi);
-    return Vec{fma(f(10), lobe, f(7) * base), fma(f(11), lobe, f(8) * base),
-               fma(f(12), lobe, f(9) * base)};
+    return {{n_wi * F(inv_pi),
+             n_wi * (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(r_wo, exponent)}};
   }
 };
 

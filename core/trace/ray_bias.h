@@ -14,8 +14,10 @@ namespace relume {
 // - strands: b = 2 r, the strand's own diameter at the hit.
 //
 // A shadow ray from a surface starts at p + b n on the light's side of the shading normal n; from a
-// strand at p itself, and it ignores the first b of its length, so that a strand does not shadow
-// itself across its own width. Both end b before the light.
+// strand at p itself, and it ignores the first b of its length. p lies on the strand's axis: strands
+// are ribbons that face each ray, so from there a strand never shadows its own straight run, whatever
+// the light's angle (a point off the axis would, up to r / sin^2 of the angle between light and
+// strand). Both end b before the light.
 
 inline float surface_bias(vec3 v0, vec3 v1, vec3 v2) {
   const float largest = std::max(max_abs_component(v0),

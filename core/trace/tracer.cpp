@@ -342,7 +342,11 @@ SurfacePoint Tracer::Impl::strand_point(const Geometry& geometry, const mat4x3& 
   const vec4 p1 = curves.points[first + 1];
   const vec3 wo = -glm::normalize(ray.direction);
   SurfacePoint point;
-  point.position = ray.origin + ray.direction * hit.ray.tfar;
+  // On the axis: the ribbon that a ray meets turns with the ray (see core/trace/ray_bias.h), and from
+  // the vertices the point is exact at any distance.
+  const vec3 a = transform_point(world_from_local, vec3(p0));
+  const vec3 b = transform_point(world_from_local, vec3(p1));
+  point.position = a + (b - a) * hit.hit.u;
   point.geometric_normal = vec3(0);
   point.shading_normal = wo;
   point.tangent = normalize_or(transform_vector(world_from_local, vec3(p1) - vec3(p0)),

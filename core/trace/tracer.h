@@ -17,7 +17,7 @@ struct Ray {
 
 /// Where a view ray met the scene, with all that a material may need.
 struct SurfacePoint {
-  vec3 position;            ///< world
+  vec3 position;            ///< world; on strands the point of the axis that was met
   vec3 geometric_normal;    ///< unit, world, faces the ray's origin; zero on strands
   vec3 shading_normal;      ///< unit, world, faces the ray's origin
   vec3 tangent;             ///< unit, world, root to tip, on strands; zero on surfaces

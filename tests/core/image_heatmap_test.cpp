@@ -1,5 +1,3 @@
-#include "core/image/heatmap.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <set>
 
 #include "core/base/parallel.h"
+#include "core/image/heatmap.h"
 #include "core/image/tiny_font.h"
 #include "core/math/color.h"
 
@@ -14,8 +13,8 @@ namespace relume {
 namespace {
 
 float luminance_of(vec3 encoded) {
-  return luminance(vec3(linear_from_srgb(encoded.x), linear_from_srgb(encoded.y),
-                        linear_from_srgb(encoded.z)));
+  return luminance(
+      vec3(linear_from_srgb(encoded.x), linear_from_srgb(encoded.y), linear_from_srgb(encoded.z)));
 }
 
 void expect_near(vec3 value, vec3 expected, float tolerance) {

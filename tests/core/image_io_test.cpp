@@ -118,8 +118,8 @@ Bytes zlib_stored(const Bytes& raw) {
   return out;
 }
 
-/// `rows` holds each row's bytes; colour types as in the PNG standard: 0 grey, 2 RGB, 4 grey + alpha,
-/// 6 RGBA.
+/// `rows` holds each row's bytes; colour types as in the PNG standard: 0 grey, 2 RGB, 4 grey +
+/// alpha, 6 RGBA.
 Bytes make_png(uint32_t width, uint32_t height, uint8_t depth, uint8_t color_type,
                const std::vector<Bytes>& rows) {
   Bytes header;
@@ -169,7 +169,8 @@ TEST_F(ImageIo, ExrKeepsEveryBitOfEveryLayer) {
   const Bytes bytes = read_bytes(path);
   const std::string text(bytes.begin(), bytes.end());
   EXPECT_NE(text.find("relume:seed"), std::string::npos);
-  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1) << "no temporary left";
+  EXPECT_EQ(std::distance(fs::directory_iterator(path.parent_path()), {}), 1)
+      << "no temporary left";
 }
 
 TEST_F(ImageIo, ExrOfManyBandsKeepsRowOrder) {
@@ -199,8 +200,10 @@ TEST_F(ImageIo, NonFiniteValueNamesItsPixel) {
   for (const bool texture : {false, true}) {
     Scene scene;
     const Error error = error_of([&] {
-      if (texture) add_texture(scene, path, true, "test");
-      else read_image(path);
+      if (texture)
+        add_texture(scene, path, true, "test");
+      else
+        read_image(path);
     });
     EXPECT_EQ(error.kind(), ErrorKind::input);
     EXPECT_TRUE(mentions(error, "(5, 4)")) << error.what();
@@ -256,7 +259,8 @@ TEST_F(ImageIo, TexturesBecomeRgbaOfEightBits) {
   const fs::path rgba = in_folder("rgba.png");
   write_bytes(rgba, make_png(1, 1, 8, 6, {{200, 100, 50, 10}}));
   Scene scene;
-  for (const fs::path& path : {grey, grey_alpha, deep, rgba}) add_texture(scene, path, true, "test");
+  for (const fs::path& path : {grey, grey_alpha, deep, rgba})
+    add_texture(scene, path, true, "test");
   EXPECT_EQ(scene.textures[0].texels, (Bytes{7, 7, 7, 255, 200, 200, 200, 255}));
   EXPECT_EQ(scene.textures[1].texels, (Bytes{7, 7, 7, 0, 200, 200, 200, 100}));
   EXPECT_EQ(scene.textures[2].texels, (Bytes{255, 128, 0, 255}));
@@ -289,8 +293,7 @@ TEST_F(ImageIo, TexturesAreSharedByPathAndCurve) {
 
 TEST_F(ImageIo, MissingFileNamesItsPlace) {
   Scene scene;
-  const Error error =
-      error_of([&] { add_texture(scene, in_folder("none.png"), true, "a.mtl:7"); });
+  const Error error = error_of([&] { add_texture(scene, in_folder("none.png"), true, "a.mtl:7"); });
   EXPECT_EQ(error.kind(), ErrorKind::input);
   EXPECT_TRUE(mentions(error, "a.mtl:7") && mentions(error, "none.png")) << error.what();
   EXPECT_EQ(error_of([&] { read_image(in_folder("")); }).kind(), ErrorKind::input) << "a folder";
@@ -333,8 +336,8 @@ TEST_F(ImageIo, TruncatedPngAndGarbageAreErrors) {
 }
 
 TEST_F(ImageIo, TruncatedJpegIsAnError) {
-  const fs::path whole = fs::path(RELUME_SOURCE_DIR) /
-                         "../shared/scenes/sh3d_japaneseMaple/japaneseMapleTexture.jpg";
+  const fs::path whole =
+      fs::path(RELUME_SOURCE_DIR) / "../shared/scenes/sh3d_japaneseMaple/japaneseMapleTexture.jpg";
   if (!fs::exists(whole)) GTEST_SKIP() << "the shared scenes are not here";
   EXPECT_NO_THROW(read_image(whole));
   const Bytes full = read_bytes(whole);

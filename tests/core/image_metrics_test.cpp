@@ -1,11 +1,10 @@
-#include "core/image/metrics.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/image/metrics.h"
 
 namespace relume {
 namespace {

@@ -12,8 +12,8 @@ double area_of(const Mesh& mesh) {
   double area = 0;
   for (const uvec3& t : mesh.triangles) {
     const dvec3 a(mesh.positions[t.x]);
-    area += 0.5 * glm::length(glm::cross(dvec3(mesh.positions[t.y]) - a,
-                                         dvec3(mesh.positions[t.z]) - a));
+    area += 0.5 *
+            glm::length(glm::cross(dvec3(mesh.positions[t.y]) - a, dvec3(mesh.positions[t.z]) - a));
   }
   return area;
 }

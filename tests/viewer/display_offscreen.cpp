@@ -161,7 +161,7 @@ TEST(Offscreen, AtZoomOneEveryPicturePixelIsAScreenPixel) {
   stage.session.view().zoom = 1;
   stage.session.view().zoom_center_px = vec2(160, 120);
   // Lights far outside, so that no handle covers the picture.
-  for (Light& light : stage.session.view().lights) light.position = vec3(0, 0, 9);
+  for (Light& light : stage.session.view().lights) light.position = vec3(90, 0, 0);
   stage.play("key p\nwait");
   const DisplayImage screen = stage.look();
   const Picture& picture = stage.session.picture();
@@ -215,16 +215,28 @@ TEST(Offscreen, NamesTheStepWhoseItemDoesNotExist) {
   }
 }
 
-TEST(Offscreen, ALightBehindTheCameraHasNoHandleAndOneOutsideIsAtTheEdge) {
+TEST(Offscreen, LightsOutsideThePictureMoveAsTheCamerasTargetDoes) {
   Stage stage;
-  stage.session.view().lights[0].position = vec3(0, 0, 20);
-  stage.session.view().lights[1].position = vec3(-50, 0, 0);
+  auto& lights = stage.session.view().lights;
+  const vec3 behind(1, 0, 20);
+  const vec3 left(-50, 0, 0);
+  lights[0].position = behind;
+  lights[1].position = left;
   stage.play("wait");
-  EXPECT_FALSE(stage.screen.ui().items.find("handle.1").has_value());
-  EXPECT_LT(stage.center("handle.2").x, 40);
-  const float x = stage.session.view().lights[1].position.x;
-  stage.play("drag handle.2 30 0");
-  EXPECT_GT(stage.session.view().lights[1].position.x, x);
+  const Rect& area = stage.screen.ui().layout.picture;
+  EXPECT_TRUE(area.contains(stage.center("handle.1")));
+  EXPECT_GT(stage.center("handle.1").x, area.center().x);
+  EXPECT_TRUE(area.contains(stage.center("handle.2")));
+  EXPECT_LT(stage.center("handle.2").x, area.center().x);
+
+  // The target is 5 in front of the eye; 240 pixels there are 2 * 5 * tan(17.5 degrees).
+  const float world_per_screen =
+      2 * 5 * std::tan(radians_from_degrees(17.5f)) / (240 * stage.screen.ui().placement.scale);
+  stage.play("drag handle.1 50 0\ndrag handle.2 0 -50\ndrag axis.x 40 0");
+  EXPECT_NEAR(glm::distance(lights[0].position, behind + vec3(50 * world_per_screen, 0, 0)), 0,
+              1e-4);
+  EXPECT_NEAR(glm::distance(lights[1].position, left + vec3(40, 50, 0) * world_per_screen), 0,
+              1e-4);
 }
 
 }  // namespace

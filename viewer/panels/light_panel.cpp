@@ -92,7 +92,11 @@ void color_row(UiState& ui, Light& light) {
 void selected_light(UiState& ui, const SessionInfo& info, Light& light) {
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(accent_color), "%s",
                      printable(light.name, 40).c_str());
-  choose(ui, "light.type", light_type_labels, light.type);
+  const bool was_point = light.type == LightType::point;
+  if (choose(ui, "light.type", light_type_labels, light.type) && was_point) {
+    // A point light's direction says nothing: start by aiming at the scene.
+    light.direction = normalize_or(info.bounds.center() - light.position, light.direction);
+  }
   gain_row(ui, light);
   color_row(ui, light);
   if (light.type != LightType::directional) {

@@ -18,12 +18,15 @@ constexpr std::array<ImU32, 3> axis_colors = {
     IM_COL32(240, 90, 80, 255), IM_COL32(110, 215, 100, 255), IM_COL32(95, 150, 255, 255)};
 constexpr std::array<Grip, 3> axis_grips = {Grip::axis_x, Grip::axis_y, Grip::axis_z};
 
-/// A light's handle on the screen.
-struct Handle {
+/// A light's handle on the screen. A light in the picture moves with the pointer. One outside of it
+/// or behind the camera may be so near to the eye that it would hardly move: it moves as something
+/// at the camera's target does.
+struct LightHandle {
   int light;
   vec3 p_world;
-  vec2 screen;   ///< within the picture's area
-  bool outside;  ///< the light itself is outside the area
+  vec3 measured_world;  ///< p_world, or the camera's target when outside
+  vec2 screen;          ///< within the picture's area
+  vec2 outward{0};  ///< unit, towards the light when it is outside; zero when it is in the picture
 };
 
 /// The far end of an axis of the selected light.
@@ -43,17 +46,35 @@ struct Manipulator {
   float axis_length() const { return 5 * font; }
 };
 
-std::optional<Handle> find_handle(const Manipulator& m, int index) {
+/// The unit direction on the screen, from the picture's middle, in which a light outside it lies.
+vec2 outward_direction(const CameraRays& rays, vec3 p_world) {
+  const vec3 v = normalize_or(p_world - rays.eye(), vec3(0));
+  const vec2 side(glm::dot(v, rays.right()), -glm::dot(v, rays.up()));
+  const float length = glm::length(side);
+  return length > 1e-4f ? side / length : vec2(0, 1);
+}
+
+/// Where the ray from the middle of `area` leaves it, with room left for the axes.
+vec2 edge_position(const Manipulator& m, const Rect& area, vec2 direction) {
+  const vec2 size = area.size();
+  const float margin = std::min(6 * m.font, 0.2f * std::min(size.x, size.y));
+  const vec2 reach =
+      glm::max(0.5f * size - margin, vec2(1)) / glm::max(glm::abs(direction), vec2(1e-6f));
+  return area.center() + direction * std::min(reach.x, reach.y);
+}
+
+LightHandle find_handle(const Manipulator& m, int index) {
+  const SessionInfo& info = m.session.info();
+  const CameraRays& rays = m.session.rays();
   const Light& light = m.session.view().lights[static_cast<size_t>(index)];
-  const vec3 p_world = light_handle(light, m.session.info().bounds);
-  const CameraRays::Projection projection = m.session.rays().project(p_world);
-  if (!(projection.depth > 0) || !is_finite(projection.film_px)) return std::nullopt;
+  const vec3 p_world = light_handle(light, info.bounds);
+  const CameraRays::Projection projection = rays.project(p_world);
   const vec2 screen = m.ui.placement.screen_from_film(projection.film_px);
   const Rect& area = m.ui.layout.picture;
-  const float margin = 1.2f * m.font;
-  const vec2 shown =
-      glm::clamp(screen, area.min + margin, glm::max(area.max - margin, area.min + margin));
-  return Handle{index, p_world, shown, shown != screen};
+  if (projection.depth > 0 && area.contains(screen))
+    return {index, p_world, p_world, screen, vec2(0)};
+  const vec2 outward = outward_direction(rays, p_world);
+  return {index, p_world, info.camera.target, edge_position(m, area, outward), outward};
 }
 
 /// How long an axis is in the world so that it measures axis_length() on the screen when it lies in
@@ -64,25 +85,29 @@ float axis_unit(const Manipulator& m, vec3 p_world) {
   return world_per_px * m.axis_length() / m.ui.placement.scale;
 }
 
-std::vector<AxisTip> find_axis_tips(const Manipulator& m, const Handle& handle) {
-  std::vector<AxisTip> tips;
+/// What `axis`, axis_unit() long, measures on the screen at the handle; nothing when it ends behind
+/// the eye.
+std::optional<vec2> screen_axis(const Manipulator& m, const LightHandle& handle, vec3 axis) {
   const CameraRays& rays = m.session.rays();
-  const float unit = axis_unit(m, handle.p_world);
-  const vec2 origin = rays.project(handle.p_world).film_px;
+  const vec3 from = handle.measured_world;
+  const CameraRays::Projection end = rays.project(from + axis * axis_unit(m, from));
+  if (!(end.depth > 0)) return std::nullopt;
+  return (end.film_px - rays.project(from).film_px) * m.ui.placement.scale;
+}
+
+std::vector<AxisTip> find_axis_tips(const Manipulator& m, const LightHandle& handle) {
+  std::vector<AxisTip> tips;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto end = rays.project(handle.p_world + axes[static_cast<size_t>(axis)] * unit);
-    const vec2 offset = (end.film_px - origin) * m.ui.placement.scale;
-    const float length = glm::length(offset);
-    // An axis that points at the eye cannot be dragged; one that leans far forward is drawn
-    // shorter.
-    if (!(end.depth > 0) || !(length > 1.5f * m.handle_radius())) continue;
-    const vec2 tip = handle.screen + offset * std::min(1.0f, 1.5f * m.axis_length() / length);
-    tips.push_back({axis, tip});
+    const auto offset = screen_axis(m, handle, axes[static_cast<size_t>(axis)]);
+    // An axis that points at the eye cannot be dragged.
+    if (!offset || !(glm::length(*offset) > 1.5f * m.handle_radius())) continue;
+    const float shrink = std::min(1.0f, 1.5f * m.axis_length() / glm::length(*offset));
+    tips.push_back({axis, handle.screen + *offset * shrink});
   }
   return tips;
 }
 
-void draw_axes(const Manipulator& m, const Handle& handle, const std::vector<AxisTip>& tips) {
+void draw_axes(const Manipulator& m, const LightHandle& handle, const std::vector<AxisTip>& tips) {
   for (const AxisTip& tip : tips) {
     const size_t axis = static_cast<size_t>(tip.axis);
     const bool held = m.ui.drag.grip == axis_grips[axis];
@@ -97,19 +122,27 @@ void draw_axes(const Manipulator& m, const Handle& handle, const std::vector<Axi
   }
 }
 
-void draw_direction(const Manipulator& m, const Handle& handle, const Light& light) {
+/// The way a spot or directional light points.
+void draw_direction(const Manipulator& m, const LightHandle& handle, const Light& light) {
   if (light.type == LightType::point) return;
-  const vec3 direction = normalize_or(light.direction, vec3(0, -1, 0));
-  const CameraRays& rays = m.session.rays();
-  const auto end = rays.project(handle.p_world + direction * axis_unit(m, handle.p_world));
-  if (!(end.depth > 0)) return;
-  const vec2 offset = (end.film_px - rays.project(handle.p_world).film_px) * m.ui.placement.scale;
-  m.list.AddLine(to_im(handle.screen), to_im(handle.screen + offset), IM_COL32(0, 0, 0, 150),
-                 0.3f * m.font);
-  m.list.AddLine(to_im(handle.screen), to_im(handle.screen + offset), accent_color, 0.12f * m.font);
+  const auto offset = screen_axis(m, handle, normalize_or(light.direction, vec3(0, -1, 0)));
+  if (!offset) return;
+  const ImVec2 from = to_im(handle.screen);
+  const ImVec2 to = to_im(handle.screen + *offset);
+  m.list.AddLine(from, to, IM_COL32(0, 0, 0, 150), 0.3f * m.font);
+  m.list.AddLine(from, to, accent_color, 0.12f * m.font);
 }
 
-void draw_handle(const Manipulator& m, const Handle& handle) {
+/// An arrow head beside the handle that points to where the light is.
+void draw_outward(const Manipulator& m, const LightHandle& handle, ImU32 color) {
+  const vec2 across(-handle.outward.y, handle.outward.x);
+  const vec2 base = handle.screen + handle.outward * (1.1f * m.font);
+  m.list.AddTriangleFilled(to_im(base + handle.outward * (0.7f * m.font)),
+                           to_im(base + across * (0.4f * m.font)),
+                           to_im(base - across * (0.4f * m.font)), color);
+}
+
+void draw_handle(const Manipulator& m, const LightHandle& handle) {
   const ViewState& view = m.session.view();
   const Light& light = view.lights[static_cast<size_t>(handle.light)];
   const bool selected = view.selected_light == handle.light;
@@ -125,31 +158,33 @@ void draw_handle(const Manipulator& m, const Handle& handle) {
                      0.13f * m.font);
   }
   const std::string name = fmt::format("{} {}{}", handle.light + 1, printable(light.name, 40),
-                                       handle.outside ? " (outside)" : "");
+                                       handle.outward == vec2(0) ? "" : " (outside)");
   const float width = ImGui::CalcTextSize(name.c_str()).x;
   const bool flip = handle.screen.x + width + 1.5f * m.font > m.ui.layout.picture.max.x;
   const vec2 text =
       handle.screen + vec2(flip ? -width - 0.9f * m.font : 0.9f * m.font, 0.3f * m.font);
-  add_outlined_text(m.list, text, selected ? IM_COL32_WHITE : IM_COL32(200, 200, 200, 255), name);
+  const ImU32 text_color = selected ? IM_COL32_WHITE : IM_COL32(200, 200, 200, 255);
+  add_outlined_text(m.list, text, text_color, name);
+  if (handle.outward != vec2(0)) draw_outward(m, handle, text_color);
   m.ui.items.note(fmt::format("handle.{}", handle.light + 1),
                   {handle.screen - 2.0f, handle.screen + 2.0f});
 }
 
-void start_drag(const Manipulator& m, const std::vector<Handle>& handles,
+void start_drag(const Manipulator& m, const std::vector<LightHandle>& handles,
                 const std::vector<AxisTip>& tips) {
   ViewState& view = m.session.view();
   const auto near_mouse = [&](vec2 p) { return glm::distance(p, m.mouse) <= 0.8f * m.font; };
-  for (const Handle& handle : handles) {
+  for (const LightHandle& handle : handles) {
     if (handle.light != view.selected_light) continue;
     for (const AxisTip& tip : tips) {
       if (!near_mouse(tip.screen)) continue;
       const Grip grip = axis_grips[static_cast<size_t>(tip.axis)];
-      m.ui.drag = {grip, handle.light, handle.p_world, m.mouse};
+      m.ui.drag = {grip, handle.light, handle.p_world, handle.measured_world, m.mouse};
       return;
     }
   }
-  const Handle* nearest = nullptr;
-  for (const Handle& handle : handles) {
+  const LightHandle* nearest = nullptr;
+  for (const LightHandle& handle : handles) {
     if (!near_mouse(handle.screen)) continue;
     const bool nearer = nearest == nullptr || glm::distance(handle.screen, m.mouse) <
                                                   glm::distance(nearest->screen, m.mouse);
@@ -157,7 +192,8 @@ void start_drag(const Manipulator& m, const std::vector<Handle>& handles,
   }
   if (nearest == nullptr) return;
   view.selected_light = nearest->light;
-  m.ui.drag = {Grip::view_plane, nearest->light, nearest->p_world, m.mouse};
+  m.ui.drag = {Grip::view_plane, nearest->light, nearest->p_world, nearest->measured_world,
+               m.mouse};
 }
 
 void continue_drag(const Manipulator& m) {
@@ -172,18 +208,19 @@ void continue_drag(const Manipulator& m) {
   // A press alone must not move the light by a rounding error.
   if (drag.light >= static_cast<int>(view.lights.size()) || delta_px == vec2(0)) return;
   const CameraRays& rays = m.session.rays();
-  vec3 p_world = drag.start_world;
+  const vec3 from = drag.measured_world;
+  vec3 to = from;
   if (drag.grip == Grip::view_plane) {
-    p_world = move_in_view_plane(rays, p_world, delta_px);
+    to = move_in_view_plane(rays, from, delta_px);
   } else {
     const int axis = static_cast<int>(drag.grip) - static_cast<int>(Grip::axis_x);
-    p_world = move_along_axis(rays, p_world, axes[static_cast<size_t>(axis)], axis_unit(m, p_world),
-                              delta_px);
+    to = move_along_axis(rays, from, axes[static_cast<size_t>(axis)], axis_unit(m, from), delta_px);
   }
+  const vec3 p_world = drag.start_world + (to - from);
   set_light_handle(view.lights[static_cast<size_t>(drag.light)], m.session.info().bounds, p_world);
 }
 
-void handle_mouse(const Manipulator& m, const std::vector<Handle>& handles,
+void handle_mouse(const Manipulator& m, const std::vector<LightHandle>& handles,
                   const std::vector<AxisTip>& tips) {
   const ImGuiIO& io = ImGui::GetIO();
   Drag& drag = m.ui.drag;
@@ -209,29 +246,29 @@ void light_manipulator(UiState& ui, Session& session) {
   const Manipulator m{ui, session, *ImGui::GetBackgroundDrawList(), ImGui::GetFontSize(),
                       from_im(ImGui::GetIO().MousePos)};
   const auto find_all = [&] {
-    std::vector<Handle> handles;
+    std::vector<LightHandle> handles;
     for (int i = 0; i < static_cast<int>(session.view().lights.size()); ++i) {
-      if (const auto handle = find_handle(m, i)) handles.push_back(*handle);
+      handles.push_back(find_handle(m, i));
     }
     return handles;
   };
-  const auto find_tips = [&](const std::vector<Handle>& handles) {
-    for (const Handle& handle : handles) {
+  const auto find_tips = [&](const std::vector<LightHandle>& handles) {
+    for (const LightHandle& handle : handles) {
       if (handle.light == session.view().selected_light) return find_axis_tips(m, handle);
     }
     return std::vector<AxisTip>();
   };
-  const std::vector<Handle> before = find_all();
+  const std::vector<LightHandle> before = find_all();
   handle_mouse(m, before, find_tips(before));
 
   // Drawn where the mouse has just put them.
-  const std::vector<Handle> handles = find_all();
+  const std::vector<LightHandle> handles = find_all();
   const std::vector<AxisTip> tips = find_tips(handles);
   m.list.PushClipRect(to_im(ui.layout.picture.min), to_im(ui.layout.picture.max), true);
-  for (const Handle& handle : handles) {
+  for (const LightHandle& handle : handles) {
     if (handle.light == session.view().selected_light) draw_axes(m, handle, tips);
   }
-  for (const Handle& handle : handles) draw_handle(m, handle);
+  for (const LightHandle& handle : handles) draw_handle(m, handle);
   m.list.PopClipRect();
 }
 

@@ -14,6 +14,7 @@ struct Drag {
   Grip grip = Grip::none;
   int light = -1;
   vec3 start_world{0};
+  vec3 measured_world{0};  ///< where the pointer's motion is measured, see LightHandle
   vec2 start_screen{0};
 };
 

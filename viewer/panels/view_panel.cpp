@@ -116,8 +116,11 @@ void picture_legend(const UiState& ui, const Session& session) {
   const vec2 corner = ui.layout.picture.min + vec2(1, 0.7f) * ImGui::GetFontSize();
   const bool waiting = status.outdated && session.view().shown != ShownPicture::frame;
   std::string text(label_of(shown_picture_labels, status.painted));
-  if (waiting) {
-    text += fmt::format(", {} out of date", label_of(shown_picture_labels, session.view().shown));
+  if (waiting && status.painted == session.view().shown) {
+    text += ", out of date until the light rests";
+  } else if (waiting) {
+    text += fmt::format(", the {} follows when the light rests",
+                        label_of(shown_picture_labels, session.view().shown));
   }
   add_outlined_text(list, corner, waiting ? accent_color : IM_COL32(220, 220, 220, 255), text);
   if (status.painted == ShownPicture::heatmap && session.picture().version > 0) {

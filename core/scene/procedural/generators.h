@@ -37,7 +37,7 @@ Prototype make_hair_ball(const HairBallParams& params);
 /// borders.
 struct PlantFieldParams {
   float size = 20;           ///< side of the square, > 0
-  float hill_height = 0.5f;  ///< the ground stays within +- this of y = 0, >= 0
+  float hill_height = 0.5f;  ///< ground within +- this of y = 0 in the field, >= 0
   uint32_t plants = 5000;    ///< plant instances, [0, 1 million]
   uint32_t grass = 20000;    ///< grass tuft instances, [0, 1 million]
   uint64_t seed = 1;

@@ -25,8 +25,8 @@ vec3 fibonacci_point(uint32_t index, uint32_t count) {
   return vec3(dvec3(across * std::cos(angle), y, across * std::sin(angle)));
 }
 
-/// A smooth field on the sphere that combs the hair: a whorl about an oblique axis, waves of two sizes
-/// and gravity. Tangential, of length about 1.
+/// A smooth field on the sphere that combs the hair: a whorl about an oblique axis, waves of two
+/// sizes and gravity. Tangential, of length about 1.
 vec3 comb_field(vec3 n) {
   const vec3 axis(0.36f, 0.86f, 0.36f);
   vec3 flow = 0.75f * glm::cross(axis, n);
@@ -58,7 +58,8 @@ class StrandPath {
     const float lift = 0.06f;
     if (glm::length(from + step_ * unit) < ball_radius_ * 1.001f) {
       const vec3 along = unit - outward * glm::dot(unit, outward);
-      unit = normalize_or(normalize_or(along, make_frame(outward).tangent) + lift * outward, outward);
+      unit =
+          normalize_or(normalize_or(along, make_frame(outward).tangent) + lift * outward, outward);
     }
     points.push_back(from + step_ * unit);
   }
@@ -70,10 +71,10 @@ class StrandPath {
 
 /// What makes one strand or lock differ from its neighbours.
 struct Wave {
-  float lean = 0;       ///< how strongly the comb lays the strand down
-  float phase = 0;      ///< radians
-  float turns = 0;      ///< of the curl along the strand
-  vec3 offset{0};       ///< constant change of direction
+  float lean = 0;   ///< how strongly the comb lays the strand down
+  float phase = 0;  ///< radians
+  float turns = 0;  ///< of the curl along the strand
+  vec3 offset{0};   ///< constant change of direction
 };
 
 Wave draw_wave(Random& random, vec3 n, float spread) {
@@ -152,7 +153,8 @@ class Locks {
         Random random(params.seed, RandomStream::strands, lock_stream + i);
         const vec3 even = fibonacci_point(static_cast<uint32_t>(i), count_);
         const float angle = random.uniform(0, 2 * pi);
-        const float radius = random.uniform(0, 0.45f) * std::sqrt(4 * pi / static_cast<float>(count_));
+        const float radius =
+            random.uniform(0, 0.45f) * std::sqrt(4 * pi / static_cast<float>(count_));
         const vec3 n = normalize_or(even + radius * tangential(make_frame(even), angle), even);
         const float length = random.uniform(0.75f, 1.0f) * params.length_high;
         const Wave wave = draw_wave(random, n, 0.25f);
@@ -220,7 +222,8 @@ void pull_to_lock(const HairBallParams& params, const std::vector<vec3>& lock, f
   for (size_t i = 0; i + 1 < combed.size(); ++i) path.advance(pulled(i + 1) - pulled(i), points);
 }
 
-void make_strand(const HairBallParams& params, const Locks& locks, uint32_t strand, Curves& curves) {
+void make_strand(const HairBallParams& params, const Locks& locks, uint32_t strand,
+                 Curves& curves) {
   Random random(params.seed, RandomStream::strands, strand);
   const vec3 even = fibonacci_point(strand, params.strands);
   const float angle = random.uniform(0, 2 * pi);

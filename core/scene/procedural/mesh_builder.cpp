@@ -49,8 +49,8 @@ std::vector<Section> trace_arc(vec3 start, vec3 direction, vec3 side, float leng
                                int segments) {
   CHECK_MSG(segments >= 1 && length > 0, "segments {} length {}", segments, length);
   const vec3 unit_side = normalize_or(side, vec3(1, 0, 0));
-  const vec3 forward =
-      normalize_or(direction - unit_side * glm::dot(direction, unit_side), make_frame(unit_side).tangent);
+  const vec3 forward = normalize_or(direction - unit_side * glm::dot(direction, unit_side),
+                                    make_frame(unit_side).tangent);
   const vec3 bent = glm::cross(forward, unit_side);
   const auto tangent_at = [&](float along) {
     const float angle = bend_rad * 0.5f * along * (1 + along);
@@ -69,11 +69,17 @@ std::vector<Section> trace_arc(vec3 start, vec3 direction, vec3 side, float leng
   return sections;
 }
 
-float ovate_profile(float along) { return std::sin(pi * std::pow(along, 0.75f)); }
+float ovate_profile(float along) {
+  return std::sin(pi * std::pow(along, 0.75f));
+}
 
-float blade_profile(float along) { return 1 - along * along; }
+float blade_profile(float along) {
+  return 1 - along * along;
+}
 
-float petal_profile(float along) { return std::pow(std::sin(0.5f * pi * along), 1.2f) * 0.85f + 0.15f; }
+float petal_profile(float along) {
+  return std::pow(std::sin(0.5f * pi * along), 1.2f) * 0.85f + 0.15f;
+}
 
 void add_leaf(MeshBuilder& builder, std::span<const Section> sections, float half_width,
               WidthProfile profile, float fold) {
@@ -114,13 +120,12 @@ void add_tube(MeshBuilder& builder, std::span<const Section> sections, float rad
     for (int k = 0; k <= sides; ++k) {
       const float angle = 2 * pi * static_cast<float>(k % sides) / static_cast<float>(sides);
       const vec3 outward = std::cos(angle) * s.side + std::sin(angle) * s.normal;
-      row.push_back(builder.add_vertex(
-          s.center + r * outward, outward,
-          {static_cast<float>(k) / static_cast<float>(sides), along}));
+      row.push_back(builder.add_vertex(s.center + r * outward, outward,
+                                       {static_cast<float>(k) / static_cast<float>(sides), along}));
     }
     for (size_t k = 0; i > 0 && k + 1 < row.size(); ++k) {
-      builder.add_triangle(previous[k], previous[k + 1], row[k + 1]);
-      builder.add_triangle(previous[k], row[k + 1], row[k]);
+      builder.add_triangle(previous[k], row[k + 1], previous[k + 1]);
+      builder.add_triangle(previous[k], row[k], row[k + 1]);
     }
     previous = std::move(row);
   }

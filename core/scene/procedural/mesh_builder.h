@@ -27,8 +27,8 @@ class MeshBuilder {
   uint32_t material_;
 };
 
-/// One cross-section of a plant part: where it is and how it lies. The three vectors are unit length
-/// and orthogonal; normal = cross(side, tangent) is the upper face of a leaf.
+/// One cross-section of a plant part: where it is and how it lies. The three vectors are unit
+/// length and orthogonal; normal = cross(side, tangent) is the upper face of a leaf.
 struct Section {
   vec3 center;
   vec3 tangent;  ///< along the part

@@ -24,9 +24,9 @@ enum class Habitat { grass, herb, shrub, tree };
 struct Species {
   const char* name;
   Habitat habitat;
-  float share;          ///< of all plants (or of all tufts), relative
-  float cluster_size;   ///< metres
-  float sink;           ///< how deep the root stands in the ground, metres
+  float share;         ///< of all plants (or of all tufts), relative
+  float cluster_size;  ///< metres
+  float sink;          ///< how deep the root stands in the ground, metres
 };
 
 constexpr std::array<Species, 4> grasses{{

@@ -62,14 +62,12 @@ Mesh make_grass_tuft(const TuftShape& shape, const PlantMaterials& materials, Ra
     const float width = shape.half_width * random.uniform(0.7f, 1.3f);
     const bool has_seeds = random.uniform() < shape.seed_heads;
     if (!has_seeds) {
-      add_leaf(builder,
-               trace_arc(root, leaning(outward, lean), side_of(outward), height, bend, 7), width,
-               blade_profile, 0);
+      add_leaf(builder, trace_arc(root, leaning(outward, lean), side_of(outward), height, bend, 7),
+               width, blade_profile, 0);
       continue;
     }
-    const std::vector<Section> stalk =
-        trace_arc(root, leaning(outward, 0.4f * lean), side_of(outward), 1.45f * height,
-                  0.35f * bend, 6);
+    const std::vector<Section> stalk = trace_arc(root, leaning(outward, 0.4f * lean),
+                                                 side_of(outward), 1.45f * height, 0.35f * bend, 6);
     add_tube(builder, stalk, 0.35f * width, 0.4f, 3);
     add_seed_head(builder, stalk, 0.022f, random);
   }
@@ -84,8 +82,8 @@ void add_leaflets(MeshBuilder& builder, std::span<const Section> axis, float fro
   for (size_t i = 2; i + 1 < axis.size(); ++i) {
     const Section& s = axis[i];
     const float along = static_cast<float>(i) / static_cast<float>(axis.size() - 1);
-    const float size = 0.26f * frond_length * std::sin(pi * std::pow(along, 0.7f)) *
-                       random.uniform(0.9f, 1.1f);
+    const float size =
+        0.26f * frond_length * std::sin(pi * std::pow(along, 0.7f)) * random.uniform(0.9f, 1.1f);
     if (size < 0.01f * frond_length) continue;
     for (const float hand : {-1.0f, 1.0f}) {
       const float droop = random.uniform(0.2f, 0.7f);
@@ -113,8 +111,8 @@ Mesh make_fern(float size, const PlantMaterials& materials, Random& random) {
     const float lean = random.uniform(0.35f, 0.9f);
     const float bend = random.uniform(0.9f, 1.7f);
     builder.set_material(draw_leaf_material(materials, 0.1f, random));
-    const std::vector<Section> axis =
-        trace_arc(0.02f * size * outward, leaning(outward, lean), side_of(outward), length, bend, 20);
+    const std::vector<Section> axis = trace_arc(0.02f * size * outward, leaning(outward, lean),
+                                                side_of(outward), length, bend, 20);
     add_tube(builder, axis, 0.007f * size, 0.15f, 3);
     add_leaflets(builder, axis, length, random);
   }
@@ -168,7 +166,8 @@ Mesh make_leafy_herb(float height, float leaf_length, const PlantMaterials& mate
 
 namespace {
 
-/// Petals around the upper end of a stem: `open_rad` is 0 for a closed bud and pi / 2 for a flat one.
+/// Petals around the upper end of a stem: `open_rad` is 0 for a closed bud and pi / 2 for a flat
+/// one.
 void add_petals(MeshBuilder& builder, vec3 center, uint32_t count, float length, float half_width,
                 float open_rad, float bend_rad, Random& random) {
   const float first_turn = random.uniform(0, 2 * pi);
@@ -207,8 +206,8 @@ void add_flower_head(MeshBuilder& builder, FlowerKind kind, std::span<const Sect
     case FlowerKind::spike:
       for (size_t i = stem.size() / 2; i < stem.size(); ++i) {
         const float along = static_cast<float>(i) / static_cast<float>(stem.size() - 1);
-        add_petals(builder, stem[i].center, 6, size * (1.1f - 0.6f * along), 0.18f * size, 1.1f, -0.6f,
-                   random);
+        add_petals(builder, stem[i].center, 6, size * (1.1f - 0.6f * along), 0.18f * size, 1.1f,
+                   -0.6f, random);
       }
       return;
   }

@@ -5,25 +5,25 @@
 
 namespace relume {
 
-// One plant each, rooted at the origin, y up, in metres. All draws come from `random`. Each returns a
-// mesh of a few hundred to a few thousand triangles.
+// One plant each, rooted at the origin, y up, in metres. All draws come from `random`. Each returns
+// a mesh of a few hundred to a few thousand triangles.
 
 /// What a plant is made of.
 struct PlantMaterials {
   uint32_t leaf = 0;
   uint32_t second_leaf = 0;  ///< a few leaves have it, for variety
   uint32_t petal = 0;
-  uint32_t stem = 0;         ///< wood; green stems use `leaf`
+  uint32_t stem = 0;  ///< wood; green stems use `leaf`
 };
 
 /// Shape of a grass tuft.
 struct TuftShape {
   int blades = 60;
-  float radius = 0.09f;       ///< of the patch the blades grow from
+  float radius = 0.09f;  ///< of the patch the blades grow from
   float height_low = 0.12f;
   float height_high = 0.32f;
   float half_width = 0.0022f;
-  float seed_heads = 0;       ///< fraction of the blades that are stalks with a seed head
+  float seed_heads = 0;  ///< fraction of the blades that are stalks with a seed head
 };
 Mesh make_grass_tuft(const TuftShape& shape, const PlantMaterials& materials, Random& random);
 
@@ -43,9 +43,9 @@ Mesh make_flower_group(FlowerKind kind, float height, const PlantMaterials& mate
 struct WoodyShape {
   float height = 1;
   float trunk_radius = 0.02f;
-  int stems = 1;            ///< from the ground
+  int stems = 1;  ///< from the ground
   int levels = 3;
-  int children = 6;         ///< branches per branch
+  int children = 6;  ///< branches per branch
   int leaves_per_twig = 12;
   float leaf_length = 0.05f;
   float spread_rad = 0.8f;  ///< angle between a branch and its parent
@@ -56,6 +56,8 @@ Mesh make_woody_plant(const WoodyShape& shape, const PlantMaterials& materials, 
 vec3 draw_azimuth(Random& random);
 
 /// The side vector of a part that leans towards `outward` (horizontal, unit): see trace_arc.
-inline vec3 side_of(vec3 outward) { return {-outward.z, 0, outward.x}; }
+inline vec3 side_of(vec3 outward) {
+  return {-outward.z, 0, outward.x};
+}
 
 }  // namespace relume

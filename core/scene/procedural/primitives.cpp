@@ -19,7 +19,9 @@ void add_quad(MeshBuilder& builder, vec3 center, vec3 right, vec3 up) {
   builder.add_triangle(a, c, d);
 }
 
-bool is_positive(float x) { return x > 0 && is_finite(x); }
+bool is_positive(float x) {
+  return x > 0 && is_finite(x);
+}
 
 }  // namespace
 

@@ -10,7 +10,9 @@ constexpr int ground_cells = 192;
 /// Half width of the path as a fraction of the field's side.
 constexpr float path_half_width = 0.028f;
 
-float smooth_step(float t) { return t * t * t * (t * (6 * t - 15) + 10); }
+float smooth_step(float t) {
+  return t * t * t * (t * (6 * t - 15) + 10);
+}
 
 }  // namespace
 
@@ -39,7 +41,11 @@ float Terrain::height(vec2 place) const {
   const vec2 wide = place / (0.28f * size_);
   const vec2 narrow = place / (0.09f * size_);
   const float sum = 0.8f * noise(wide + vec2(9.5f), 0) + 0.2f * noise(narrow + vec2(31.2f), 1);
-  return hill_height_ * (2 * sum - 1);
+  // Outside the field the ground falls away, so that the view ends at the field's last plants.
+  const float reach = std::max(std::abs(place.x), std::abs(place.y));
+  const float outside = std::max(0.0f, reach - 0.52f * size_);
+  const float fall = 0.3f * outside * outside / (outside + 0.1f * size_);
+  return hill_height_ * (2 * sum - 1) - fall;
 }
 
 vec3 Terrain::normal(vec2 place) const {
@@ -51,7 +57,8 @@ vec3 Terrain::normal(vec2 place) const {
 
 float Terrain::distance_from_path(vec2 place) const {
   const float along = place.y / size_;
-  const float middle = size_ * (0.075f * std::sin(7.0f * along + 0.5f) + 0.03f * std::sin(15 * along));
+  const float middle =
+      size_ * (0.075f * std::sin(7.0f * along + 0.5f) + 0.03f * std::sin(15 * along));
   return std::abs(place.x - middle) / (path_half_width * size_);
 }
 

@@ -4,11 +4,12 @@
 
 namespace relume {
 
-/// The rolling ground of a plant field: a height over each point (x, z) of the plane, a path that winds
-/// along z, and smooth noise to cluster plants by. A pure function of its parameters.
+/// The rolling ground of a plant field: a height over each point (x, z) of the plane, a path that
+/// winds along z, and smooth noise to cluster plants by. A pure function of its parameters.
 class Terrain {
  public:
-  /// Field of `size` x `size` metres about the origin; heights stay within +- `hill_height`.
+  /// Field of `size` x `size` metres about the origin; heights in it stay within +- `hill_height`,
+  /// beyond it the ground falls away.
   Terrain(float size, float hill_height, uint64_t seed);
 
   float size() const { return size_; }
@@ -21,8 +22,7 @@ class Terrain {
   /// Smooth noise in [0, 1] with features of size 1; each `channel` is another pattern.
   float noise(vec2 place, uint32_t channel) const;
 
-  /// The ground as a grid with smooth normals, three times as wide as the field so that the view runs
-  /// into it.
+  /// The ground as a grid with smooth normals, three times as wide as the field.
   Mesh make_mesh(uint32_t material) const;
 
  private:

@@ -21,7 +21,8 @@ class WoodyGrowth {
   Mesh grow() {
     for (int i = 0; i < shape_.stems; ++i) {
       const float turn = random_.uniform(0, 2 * pi);
-      const float lean = shape_.stems > 1 ? random_.uniform(0.15f, 0.6f) : random_.uniform(0, 0.08f);
+      const float lean =
+          shape_.stems > 1 ? random_.uniform(0.15f, 0.6f) : random_.uniform(0, 0.08f);
       const float length = shape_.height * random_.uniform(0.5f, 0.68f);
       grow_branch(vec3(0), branch_off({0, 1, 0}, lean, turn), length, shape_.trunk_radius, 1);
     }
@@ -69,15 +70,14 @@ class WoodyGrowth {
 
   /// `count` leaves beyond the fraction `from` of a branch.
   void add_leaves(const std::vector<Section>& axis, float from, int count) {
-    const uint32_t material =
-        random_.uniform() < 0.15f ? materials_.second_leaf : materials_.leaf;
+    const uint32_t material = random_.uniform() < 0.15f ? materials_.second_leaf : materials_.leaf;
     builder_.set_material(material);
     const size_t last = axis.size() - 1;
     for (int i = 0; i < count; ++i) {
       const float along = random_.uniform(from, 1.0f) * static_cast<float>(last);
       const size_t at = std::min(static_cast<size_t>(along), last - 1);
-      const vec3 start = axis[at].center + (along - static_cast<float>(at)) *
-                                               (axis[at + 1].center - axis[at].center);
+      const vec3 start = axis[at].center +
+                         (along - static_cast<float>(at)) * (axis[at + 1].center - axis[at].center);
       const float turn = random_.uniform(0, 2 * pi);
       const float angle = random_.uniform(0.5f, 1.2f);
       const float length = shape_.leaf_length * random_.uniform(0.7f, 1.25f);

@@ -1,0 +1,241 @@
+#include "core/relight/kernel.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/base/parallel.h"
+#include "core/relight/reference_relight.h"
+#include "core/relight/relight.h"
+#include "core/shade/reference.h"
+#include "core/shade/shader_list.h"
+#include "core/shade/shaders.h"
+#include "tests/support/records.h"
+#include "tests/support/scenes.h"
+
+namespace relume {
+namespace {
+
+using namespace test;  // NOLINT: light and record builders
+
+/// One light of each kernel kind at `distance` from the origin, plus narrow and wide cones.
+std::vector<Light> lights_at(float distance) {
+  const vec3 towards = normalize_or({0.3f, 0.5f, 0.8f}, {0, 0, 1});
+  const vec3 position = distance * towards;
+  return {make_point_light(position),
+          make_point_light(position, 1, false),
+          make_spot_light(position, -towards, 10, 25),
+          make_spot_light(position, -towards, 20, 20, false),
+          make_spot_light(position, {1, -1, 0}, 0, 90),
+          make_directional_light(-towards)};
+}
+
+template <class... Shaders>
+dvec3 shade_directly(ShaderList<Shaders...>, const SampleType& type, const double* v, dvec3 wi,
+                     dvec3 wo) {
+  dvec3 result(0);
+  ((type.shader == &Shaders::info ? (result = Shaders::reference(v, wi, wo), 0) : 0), ...);
+  return result;
+}
+
+dvec3 jitter(dvec3 v, double size, Random& random) {
+  for (size_t c = 0; c < 3; ++c) v[c] += size * (2.0 * random.uniform() - 1.0);
+  return v;
+}
+
+/// How far a float kernel may be from the reference for this record: a relative rounding bound, and how
+/// much the reference itself moves when directions are off by float rounding. Near an exponent of
+/// 1e5 or a grazing angle the problem is ill-conditioned, whoever computes it.
+double tolerance(const SampleType& type, const float* vector, const Light& light, dvec3 eye,
+                 double exact, size_t channel) {
+  std::vector<double> v(vector, vector + type.width);
+  const dvec3 p(v[0], v[1], v[2]);
+  dvec3 wi = -glm::normalize(dvec3(light.direction));
+  double irradiance = 1;
+  if (light.type != LightType::directional) {
+    const double distance = std::max(glm::length(dvec3(light.position) - p), 1e-3);
+    wi = (dvec3(light.position) - p) / distance;
+    if (light.falloff) irradiance = 1 / (distance * distance);
+  }
+  const dvec3 wo = glm::normalize(eye - p);
+  const double base = shade_directly(AllShaders{}, type, v.data(), wi, wo)[channel];
+  Random random(9, RandomStream::tests, 0);
+  double spread = 0;
+  for (int i = 0; i < 24; ++i) {
+    const dvec3 wi_off = jitter(wi, 4e-7, random);
+    const dvec3 wo_off = jitter(wo, 4e-7, random);
+    const double moved = shade_directly(AllShaders{}, type, v.data(), wi_off, wo_off)[channel];
+    spread = std::max(spread, std::abs(moved - base));
+  }
+  double spot_error = 0;
+  if (light.type == LightType::spot) {
+    const double degree = 3.14159265358979323846 / 180;
+    const double range = std::cos(light.inner_angle_deg * degree) -
+                         std::cos(light.outer_angle_deg * degree);
+    spot_error = std::min(1.0, 1.5 * 5e-7 / std::max(range, 1e-6));
+    // A cone without a fade is a step: a record within rounding of its edge may be on either side.
+    const double cosine = glm::dot(glm::normalize(wi), -glm::normalize(dvec3(light.direction)));
+    const bool on_edge = std::abs(cosine - std::cos(light.outer_angle_deg * degree)) < 3e-6;
+    if (range < 1e-5) spot_error = on_edge ? 1 : 0;
+  }
+  // Rounding of the cosine under a power of e grows e times.
+  const double power_error = type.width == 14 ? 3e-7 * v[13] : 0.0;
+  return (1e-5 + power_error) * exact + irradiance * (4 * spread + (base + spread) * spot_error) + 1e-15 * irradiance;
+}
+
+class Kernel : public testing::TestWithParam<std::tuple<InstructionSet, size_t>> {
+ protected:
+  void SetUp() override {
+    if (!is_supported(std::get<0>(GetParam()))) {
+      GTEST_SKIP() << "this machine or build lacks the set";
+    }
+  }
+  Image layer(const RelightCache& cache, const Light& light) {
+    RelightState state = make_relight_state(cache);
+    const RelightStats stats = relight(state, {&light, 1}, nullptr, {std::get<0>(GetParam())});
+    EXPECT_EQ(stats.replaced_values, 0u);
+    return state.layers[0];
+  }
+};
+
+/// One record a pixel, so that every record meets its own tolerance.
+SampleTile make_single_tile(const SampleType& type, uint64_t seed) {
+  SampleTile tile;
+  tile.width = tile_size;
+  tile.height = tile_size;
+  tile.types.resize(1);
+  tile.types[0].first.push_back(0);
+  for (uint32_t pixel = 0; pixel < 256; ++pixel) {
+    Random random(seed, RandomStream::tests, pixel);
+    append_random_vector(type, random, tile.types[0].values);
+    tile.types[0].weights.push_back(1);
+    tile.types[0].first.push_back(pixel + 1);
+  }
+  return tile;
+}
+
+TEST_P(Kernel, MatchesTheReferenceForEachLight) {
+  const SampleType type = all_sample_types()[std::get<1>(GetParam())];
+  const vec3 eye(0.5f, -1, 4);
+  int lit = 0;
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    const SampleTile tile = make_single_tile(type, seed);
+    const RelightCache cache = make_tile_cache(tile, {type}, eye);
+    for (const float distance : {0.0f, 1e-6f, 0.5f, 1.0f, 3.0f, 1e4f, 1e9f}) {
+      for (const Light& light : lights_at(distance)) {
+        const Image image = layer(cache, light);
+        for (int pixel = 0; pixel < 256; ++pixel) {
+          const float* v = &tile.types[0].values[static_cast<size_t>(pixel) * type.width];
+          const dvec3 exact = reference_response(type, v, light, dvec3(eye), 1);
+          for (size_t c = 0; c < 3; ++c) {
+            const double bound = tolerance(type, v, light, dvec3(eye), exact[c], c);
+            ASSERT_NEAR(image.rgb(pixel)[c], exact[c], bound)
+                << type.name << " " << label_of(light_type_labels, light.type) << " falloff "
+                << light.falloff << " distance " << distance << " seed " << seed << " pixel " << pixel;
+            lit += exact[c] > 0 ? 1 : 0;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(lit, 10000);
+}
+
+TEST_P(Kernel, StaysFiniteAtTheExtremes) {
+  const SampleType type = all_sample_types()[std::get<1>(GetParam())];
+  SampleTile tile = make_single_tile(type, 5);
+  // Lights and the eye right on records, and records right at the light.
+  for (int i = 0; i < 3; ++i) tile.types[0].values[i] = 0;
+  for (const vec3 eye : {vec3(0), vec3(1e-20f), vec3(0, 0, 1e9f)}) {
+    const RelightCache cache = make_tile_cache(tile, {type}, eye);
+    for (const float distance : {0.0f, 1e-30f, 1e-6f, 1e9f, 1e15f}) {
+      for (const Light& light : lights_at(distance)) {
+        const Image image = layer(cache, light);
+        for (const float value : image.pixels) ASSERT_TRUE(is_finite(value) && value >= 0);
+      }
+    }
+  }
+}
+
+std::string case_name(const testing::TestParamInfo<std::tuple<InstructionSet, size_t>>& info) {
+  std::string name = fmt::format("{}_{}", label_of(instruction_set_labels, std::get<0>(info.param)),
+                                 shader_table()[std::get<1>(info.param)]->name);
+  std::erase_if(name, [](char c) { return c == '.' || c == '-'; });
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    InstructionSetsAndShaders, Kernel,
+    testing::Combine(testing::Values(InstructionSet::scalar, InstructionSet::sse42,
+                                     InstructionSet::avx2, InstructionSet::avx512),
+                     testing::Range(size_t{0}, size_t{4})),
+    case_name);
+
+class MixedKernel : public testing::TestWithParam<InstructionSet> {};
+
+/// A visibility that depends on the record only: a hash of its position.
+class HashedVisibility final : public VisibilitySource {
+ public:
+  void prepare(const Light&) override {}
+  void visibility(const Receivers& receivers, float* visibility) const override {
+    for (int i = 0; i < receivers.count; ++i) {
+      const float x = receivers.position[0][i] * 17 + receivers.position[1][i] * 31;
+      visibility[i] = x - std::floor(x);
+    }
+  }
+};
+
+TEST_P(MixedKernel, SumsRecordsOfAllTypesAndTheirVisibility) {
+  if (!is_supported(GetParam())) GTEST_SKIP() << "this machine or build lacks the set";
+  std::vector<SampleType> types = all_sample_types();
+  SampleTile tile = make_random_tile(types, 13, 11, 5, 3);
+  // Moderate exponents: here the sums are tested, the conditioning is tested above.
+  for (const size_t t : {size_t{1}, size_t{2}}) {
+    for (size_t row = 0; row < tile.types[t].rows(); ++row) {
+      float& exponent = tile.types[t].values[row * 14 + 13];
+      exponent = std::min(exponent, 50.0f);
+    }
+  }
+  const RelightCache cache = make_tile_cache(tile, types, {0, 0, 4});
+  HashedVisibility shadows;
+  for (const Light& light : lights_at(2.0f)) {
+    for (VisibilitySource* source : {static_cast<VisibilitySource*>(nullptr),
+                                     static_cast<VisibilitySource*>(&shadows)}) {
+      const Image exact = reference_layer(cache, light, source);
+      RelightState state = make_relight_state(cache);
+      relight(state, {&light, 1}, source, {GetParam()});
+      float brightest = 0;
+      for (const float value : exact.pixels) brightest = std::max(brightest, value);
+      EXPECT_GT(brightest, 0);
+      EXPECT_LE(max_difference(state.layers[0], exact), 2e-5f * brightest + 1e-7f)
+          << label_of(light_type_labels, light.type) << (source != nullptr ? " shadowed" : "");
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(InstructionSets, MixedKernel,
+                         testing::Values(InstructionSet::scalar, InstructionSet::sse42,
+                                         InstructionSet::avx2, InstructionSet::avx512),
+                         [](const auto& parameter) {
+                           return fmt::format("set{}", static_cast<int>(parameter.param));
+                         });
+
+TEST(KernelThreads, AnyThreadCountGivesTheSameBits) {
+  Scene scene = make_plane_scene(1.2f, vec3(0.5f), 150, 90);
+  add_material(scene, "phong");
+  add_shape(scene, make_sphere({0.2f, 0.1f, 0.4f}, 0.4f, 16, 1));
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 5);
+  const std::vector<Light> lights = lights_at(2.5f);
+  HashedVisibility shadows;
+  std::vector<float> first;
+  for (const int threads : {1, 2, 3, 8}) {
+    set_thread_count(threads);
+    const Image frame = render_frame(cache, lights, &shadows);
+    if (threads == 1) first = frame.pixels;
+    EXPECT_TRUE(frame.pixels == first) << threads << " threads";
+  }
+  set_thread_count(0);
+}
+
+}  // namespace
+}  // namespace relume

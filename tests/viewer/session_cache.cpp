@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+
+#include "core/scene/io/load_scene.h"
+#include "core/shade/shaders.h"
+#include "viewer/session/prepare.h"
+#include "viewer/session/session.h"
+
+namespace relume {
+namespace {
+
+/// The built-in spheres, small, with and without all that belongs to them.
+struct Prepared {
+  Prepared()
+      : scene(std::make_unique<const Scene>(load_scene("spheres", shader_table()))),
+        tracer(std::make_unique<const Tracer>(*scene)) {}
+
+  RelightCache prepare(ReductionMethod method) const {
+    PrepareParams params;
+    params.spp = 9;
+    params.reduction.method = method;
+    params.reduction.records = 2;
+    params.width = 48;
+    params.height = 40;
+    return prepare_in_memory(*scene, *tracer, params, {});
+  }
+
+  std::unique_ptr<const Scene> scene;
+  std::unique_ptr<const Tracer> tracer;
+};
+
+TEST(CacheSession, FrameIsTheCacheRelitWithTheViewsLights) {
+  Prepared prepared;
+  const RelightCache same = prepared.prepare(ReductionMethod::strong_kmeans);
+  RelightState expected = make_relight_state(same);
+  const auto shadows = make_shadow(ShadowMethod::ray, *prepared.tracer);
+  RelightCache cache = prepared.prepare(ReductionMethod::strong_kmeans);
+  RelightCache all = prepared.prepare(ReductionMethod::all);
+  Session session = make_session(std::move(prepared.scene), std::move(prepared.tracer),
+                                 std::move(cache), std::move(all));
+  EXPECT_EQ(session.info().width, 48);
+  EXPECT_EQ(session.info().records, 2);
+  EXPECT_TRUE(session.info().has_reference);
+  ASSERT_FALSE(session.view().lights.empty());
+  EXPECT_EQ(session.view().selected_light, 0);
+  EXPECT_EQ(session.view().shadows, ShadowMethod::ray);
+
+  for (int move = 0; move < 3; ++move) {
+    session.view().lights[0].position.x += 0.25f;
+    session.wait(true);
+    relight(expected, session.view().lights, shadows.get());
+    EXPECT_EQ(session.frame().image.pixels, expected.frame.pixels) << "move " << move;
+    EXPECT_EQ(session.frame().stats.layers_shaded,
+              move == 0 ? static_cast<int>(session.view().lights.size()) : 1);
+  }
+  session.view().shadows = ShadowMethod::none;
+  session.wait(true);
+  invalidate(expected);
+  relight(expected, session.view().lights, nullptr);
+  EXPECT_EQ(session.frame().image.pixels, expected.frame.pixels);
+  EXPECT_EQ(session.status().problem, "");
+}
+
+TEST(CacheSession, HeatmapComparesWithEverySample) {
+  Prepared prepared;
+  const RelightCache same = prepared.prepare(ReductionMethod::strong_kmeans);
+  RelightCache cache = prepared.prepare(ReductionMethod::strong_kmeans);
+  RelightCache all = prepared.prepare(ReductionMethod::all);
+  const RelightCache all_too = prepared.prepare(ReductionMethod::all);
+  const auto shadows = make_shadow(ShadowMethod::ray, *prepared.tracer);
+  RelightState frame = make_relight_state(same);
+  RelightState reference = make_relight_state(all_too);
+  relight(frame, prepared.scene->lights, shadows.get());
+  relight(reference, prepared.scene->lights, shadows.get());
+  const ImageError expected = compare_images(frame.frame, reference.frame, same.coverage());
+
+  Session session = make_session(std::move(prepared.scene), std::move(prepared.tracer),
+                                 std::move(cache), std::move(all));
+  session.view().shown = ShownPicture::heatmap;
+  session.wait(true);
+  ASSERT_TRUE(session.status().error.has_value());
+  EXPECT_GT(expected.error_covered, 0);
+  EXPECT_EQ(session.status().error->error_covered, expected.error_covered);
+  EXPECT_EQ(session.status().error->error_image, expected.error_image);
+}
+
+TEST(CacheSession, WithoutATracerThereAreNoShadowsAndNoReference) {
+  const Prepared prepared;
+  Session session = make_session(nullptr, nullptr, prepared.prepare(ReductionMethod::kmeans),
+                                 prepared.prepare(ReductionMethod::all));
+  EXPECT_FALSE(session.info().can_trace);
+  EXPECT_FALSE(session.info().has_reference);
+  EXPECT_EQ(session.view().shadows, ShadowMethod::none);
+  session.wait(true);
+  EXPECT_EQ(session.status().problem, "");
+  EXPECT_GT(session.picture().version, 0u);
+
+  session.view().shadows = ShadowMethod::ray;
+  session.wait(true);
+  EXPECT_NE(session.status().problem.find("shadows"), std::string::npos)
+      << session.status().problem;
+  session.view().shadows = ShadowMethod::none;
+  session.wait(true);
+  EXPECT_EQ(session.status().problem, "");
+}
+
+}  // namespace
+}  // namespace relume
