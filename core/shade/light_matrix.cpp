@@ -69,7 +69,10 @@ LobeEvaluator::LobeEvaluator(std::span<const SampleType> types, const LightSet& 
     for (size_t f = 0; f < type.field_count(); ++f) {
       const SampleField& field = type.field(f);
       const bool is_direction = field.kind == FieldKind::direction || field.kind == FieldKind::axis;
-      if (is_direction) shape.direction = type.offsets[f];
+      if (is_direction) {
+        shape.direction = type.offsets[f];
+        shape.is_axis = field.kind == FieldKind::axis;
+      }
       if (field.kind == FieldKind::scalar && field.source == FieldSource::material) {
         shape.scalar = type.offsets[f];
       }

@@ -41,6 +41,8 @@ class LobeEvaluator {
   /// First float of the type's direction, and of its scalar; -1 where it has none.
   int direction_offset(int type) const { return shapes_[type].direction; }
   int scalar_offset(int type) const { return shapes_[type].scalar; }
+  /// True when the sign of the type's direction means nothing (a strand's tangent).
+  bool is_axis(int type) const { return shapes_[type].is_axis; }
 
   /// out[k * columns + j] = lobe k of the sample vector times the irradiance of light j at weight 1.
   void lobes(int type, const float* vector, float* out) const;
@@ -58,6 +60,7 @@ class LobeEvaluator {
     int colors[max_lobes] = {};
     int direction = -1;
     int scalar = -1;
+    bool is_axis = false;
   };
 
   std::vector<Shape> shapes_;

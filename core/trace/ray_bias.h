@@ -17,7 +17,8 @@ namespace relume {
 // strand at p itself, and it ignores the first b of its length. p lies on the strand's axis: strands
 // are ribbons that face each ray, so from there a strand never shadows its own straight run, whatever
 // the light's angle (a point off the axis would, up to r / sin^2 of the angle between light and
-// strand). Both end b before the light.
+// strand). Only below atan(1/2) to the strand is a sample within r / sin of the next joint shadowed by
+// that segment's end. Both end b before the light.
 
 inline float surface_bias(vec3 v0, vec3 v1, vec3 v2) {
   const float largest = std::max(max_abs_component(v0),

@@ -10,7 +10,9 @@
 
 #if defined(__SANITIZE_ADDRESS__)
 /// Mesa keeps a few bytes for each context and size until the process ends.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so\n"; }
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libOSMesa.so\n";
+}
 #endif
 
 namespace relume {

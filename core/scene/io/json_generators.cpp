@@ -104,8 +104,8 @@ class GeneratorReader {
   }
 
   void read_plant_field(Scene& scene) {
-    expect_keys({"size", "plants", "grass", "seed", "leaf_materials", "grass_materials",
-                 "stem_material", "ground_material"});
+    expect_keys({"size", "plants", "grass", "hill_height", "seed", "leaf_materials",
+                 "grass_materials", "flower_materials", "stem_material", "ground_material"});
     for (const std::string_view key : {"transform", "prototype", "name"}) {
       if (const auto node = node_.find(key)) {
         throw node->error("does not apply to a plant field", "remove it");
@@ -115,9 +115,11 @@ class GeneratorReader {
     node_.read("size", params.size, min_size, max_size);
     params.plants = count("plants", params.plants, 0, 1'000'000);
     params.grass = count("grass", params.grass, 0, 1'000'000);
+    node_.read("hill_height", params.hill_height, 0, max_size);
     node_.read_seed("seed", params.seed);
     params.leaf_materials = material_list("leaf_materials");
     params.grass_materials = material_list("grass_materials");
+    if (node_.find("flower_materials")) params.flower_materials = material_list("flower_materials");
     params.stem_material = material("stem_material");
     params.ground_material = material("ground_material");
     add_plant_field(params, scene);

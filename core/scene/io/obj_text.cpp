@@ -103,7 +103,9 @@ class TextChecker {
       }
     }
     if (count < low || count > high) {
-      fail(fmt::format("{} numbers where {} to {} belong", count, low, high),
+      const std::string belong =
+          low == high ? fmt::to_string(low) : fmt::format("{} to {}", low, high);
+      fail(fmt::format("{} numbers where {} belong", count, belong),
            "mend the line; the file may be cut short");
     }
   }

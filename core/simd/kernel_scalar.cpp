@@ -1,0 +1,2 @@
+#define RELUME_ISA scalar
+#include "core/simd/dot_products_body.h"

@@ -1,0 +1,236 @@
+#include "reduction/methods/kmeans.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+
+namespace relume {
+namespace {
+
+Features make_features(std::vector<float> values, int dimensions) {
+  Features features;
+  features.dimensions = dimensions;
+  features.rows = static_cast<int>(values.size()) / dimensions;
+  features.values = std::move(values);
+  return features;
+}
+
+Features random_features(int rows, int dimensions, uint64_t seed) {
+  Random random(seed, RandomStream::tests, 0);
+  std::vector<float> values;
+  for (int i = 0; i < rows * dimensions; ++i) values.push_back(random.uniform());
+  return make_features(std::move(values), dimensions);
+}
+
+std::vector<int> first_seeds(int k) {
+  std::vector<int> seeds(static_cast<size_t>(k));
+  std::iota(seeds.begin(), seeds.end(), 0);
+  return seeds;
+}
+
+double squared_distance(const float* a, const double* b, int dimensions) {
+  double sum = 0;
+  for (int i = 0; i < dimensions; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+/// Means of the clusters, in double.
+std::vector<double> centroids_of(const Features& features, const Clustering& clustering) {
+  const int d = features.dimensions;
+  std::vector<double> sums(static_cast<size_t>(clustering.count() * d), 0.0);
+  std::vector<int> members(static_cast<size_t>(clustering.count()), 0);
+  for (int row = 0; row < features.rows; ++row) {
+    const int cluster = clustering.cluster_of[row];
+    ++members[cluster];
+    for (int i = 0; i < d; ++i) sums[cluster * d + i] += features.row(row)[i];
+  }
+  for (int cluster = 0; cluster < clustering.count(); ++cluster) {
+    EXPECT_GT(members[cluster], 0) << "cluster " << cluster;
+    for (int i = 0; i < d; ++i) sums[cluster * d + i] /= members[cluster];
+  }
+  return sums;
+}
+
+double inertia_of(const Features& features, const Clustering& clustering) {
+  const std::vector<double> centroids = centroids_of(features, clustering);
+  double sum = 0;
+  for (int row = 0; row < features.rows; ++row) {
+    sum += squared_distance(features.row(row),
+                            &centroids[clustering.cluster_of[row] * features.dimensions],
+                            features.dimensions);
+  }
+  return sum;
+}
+
+void expect_sound(const Features& features, const Clustering& clustering, int k) {
+  ASSERT_EQ(clustering.cluster_of.size(), static_cast<size_t>(features.rows));
+  EXPECT_GE(clustering.count(), 1);
+  EXPECT_LE(clustering.count(), k);
+  for (const int cluster : clustering.cluster_of) {
+    ASSERT_GE(cluster, 0);
+    ASSERT_LT(cluster, clustering.count());
+  }
+  const std::vector<double> centroids = centroids_of(features, clustering);
+  for (int cluster = 0; cluster < clustering.count(); ++cluster) {
+    const int representative = clustering.representatives[cluster];
+    ASSERT_EQ(clustering.cluster_of[representative], cluster);
+    const double nearest = squared_distance(
+        features.row(representative), &centroids[cluster * features.dimensions], features.dimensions);
+    for (int row = 0; row < features.rows; ++row) {
+      if (clustering.cluster_of[row] != cluster) continue;
+      EXPECT_GE(squared_distance(features.row(row), &centroids[cluster * features.dimensions],
+                                 features.dimensions),
+                nearest - 1e-6)
+          << "row " << row << " is nearer than the representative";
+    }
+  }
+}
+
+TEST(Kmeans, FollowsAnExampleByHand) {
+  // Seeds 0 and 1; 10 joins 1; the centroids move to 0 and 5.5, then 1 changes sides.
+  const Features features = make_features({0, 1, 10}, 1);
+  const Clustering clustering = kmeans(features, first_seeds(2), 100);
+  EXPECT_EQ(clustering.cluster_of, (std::vector<int>{0, 0, 1}));
+  EXPECT_EQ(clustering.representatives, (std::vector<int>{0, 2}));
+}
+
+TEST(Kmeans, StopsAtTheIterationLimit) {
+  const Features features = make_features({0, 1, 10}, 1);
+  EXPECT_EQ(kmeans(features, first_seeds(2), 1).cluster_of, (std::vector<int>{0, 1, 1}));
+}
+
+TEST(Kmeans, TiesGoToTheLowerClusterAndTheLowerRow) {
+  const Features features = make_features({-1, 1, 0}, 1);
+  const Clustering clustering = kmeans(features, first_seeds(2), 100);
+  EXPECT_EQ(clustering.cluster_of, (std::vector<int>{0, 1, 0}));
+  EXPECT_EQ(clustering.representatives, (std::vector<int>{0, 1}));
+}
+
+TEST(Kmeans, DropsEmptyClustersAndDoesNotReseed) {
+  // The second seed equals the first: ties go to the first, the second stays empty to the end.
+  const Features features = make_features({2, 2, 2, 7, 2}, 1);
+  const Clustering clustering = kmeans(features, std::vector<int>{0, 1, 3}, 100);
+  EXPECT_EQ(clustering.count(), 2);
+  EXPECT_EQ(clustering.cluster_of, (std::vector<int>{0, 0, 0, 1, 0}));
+}
+
+TEST(Kmeans, AllEqualRowsAreOneCluster) {
+  const Features features = make_features(std::vector<float>(15, 3.0f), 3);
+  EXPECT_EQ(kmeans(features, first_seeds(4), 100).count(), 1);
+  Random random(1, RandomStream::tests, 0);
+  EXPECT_EQ(strong_kmeans(features, 4, 4, 100, random).count(), 1);
+}
+
+TEST(Kmeans, AllZeroRowsAreOneCluster) {
+  const Features features = make_features(std::vector<float>(12, 0.0f), 2);
+  EXPECT_EQ(kmeans(features, first_seeds(3), 100).count(), 1);
+}
+
+class KmeansOnRandomRows : public testing::TestWithParam<int> {};
+
+TEST_P(KmeansOnRandomRows, GivesSoundClusters) {
+  const int k = GetParam();
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    const Features features = random_features(25, 13, seed);
+    expect_sound(features, kmeans(features, first_seeds(k), 100), k);
+    Random random(seed, RandomStream::reduction, 0);
+    expect_sound(features, strong_kmeans(features, k, 4, 100, random), k);
+  }
+}
+
+TEST_P(KmeansOnRandomRows, ConvergedAssignmentsAreNearest) {
+  const int k = GetParam();
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    const Features features = random_features(25, 5, seed);
+    const Clustering clustering = kmeans(features, first_seeds(k), 1000);
+    const std::vector<double> centroids = centroids_of(features, clustering);
+    for (int row = 0; row < 25; ++row) {
+      const double own = squared_distance(
+          features.row(row), &centroids[clustering.cluster_of[row] * 5], 5);
+      for (int cluster = 0; cluster < clustering.count(); ++cluster) {
+        ASSERT_LE(own, squared_distance(features.row(row), &centroids[cluster * 5], 5) + 1e-5);
+      }
+    }
+  }
+}
+
+TEST_P(KmeansOnRandomRows, InertiaNeverGrowsWithIterations) {
+  const int k = GetParam();
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    const Features features = random_features(30, 6, seed);
+    double last = std::numeric_limits<double>::infinity();
+    for (int iterations = 1; iterations < 20; ++iterations) {
+      const double now = inertia_of(features, kmeans(features, first_seeds(k), iterations));
+      ASSERT_LE(now, last + 1e-6) << "seed " << seed << " after " << iterations;
+      last = now;
+    }
+  }
+}
+
+TEST_P(KmeansOnRandomRows, StrongInertiaIsLowerOnAverage) {
+  const int k = GetParam();
+  double report = 0;
+  double strong = 0;
+  double one_start = 0;
+  for (uint64_t seed = 0; seed < 200; ++seed) {
+    const Features features = random_features(25, 4, seed);
+    report += inertia_of(features, kmeans(features, first_seeds(k), 100));
+    Random random(seed, RandomStream::reduction, 0);
+    strong += inertia_of(features, strong_kmeans(features, k, 4, 100, random));
+    Random again(seed, RandomStream::reduction, 0);
+    one_start += inertia_of(features, strong_kmeans(features, k, 1, 100, again));
+  }
+  EXPECT_LE(strong, report * (1 + 1e-9));
+  EXPECT_LE(strong, one_start * (1 + 1e-9)) << "the best of more starts, the first among them";
+  if (k > 1 && k < 25) {
+    EXPECT_LT(strong, 0.97 * report);
+  }
+}
+
+TEST_P(KmeansOnRandomRows, IsDeterministic) {
+  const int k = GetParam();
+  const Features features = random_features(25, 7, 3);
+  Random a(1, RandomStream::reduction, 5);
+  Random b(1, RandomStream::reduction, 5);
+  const Clustering first = strong_kmeans(features, k, 4, 100, a);
+  const Clustering second = strong_kmeans(features, k, 4, 100, b);
+  EXPECT_EQ(first.cluster_of, second.cluster_of);
+  EXPECT_EQ(first.representatives, second.representatives);
+}
+
+INSTANTIATE_TEST_SUITE_P(K, KmeansOnRandomRows, testing::Values(1, 2, 3, 4, 8, 16));
+
+TEST(StrongKmeans, FindsSeparatedBlobs) {
+  // Four blobs in sampling order, so that the first four rows are one blob.
+  std::vector<float> values;
+  for (int blob = 0; blob < 4; ++blob) {
+    for (int i = 0; i < 6; ++i) {
+      values.push_back(static_cast<float>(10 * blob) + 0.01f * static_cast<float>(i));
+      values.push_back(0.02f * static_cast<float>(i));
+    }
+  }
+  const Features features = make_features(values, 2);
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed, RandomStream::reduction, 0);
+    const Clustering clustering = strong_kmeans(features, 4, 8, 100, random);
+    ASSERT_EQ(clustering.count(), 4);
+    for (int row = 0; row < 24; ++row) {
+      EXPECT_EQ(clustering.cluster_of[row], clustering.cluster_of[row / 6 * 6]) << row;
+    }
+  }
+}
+
+TEST(StrongKmeans, SurvivesHugeCoordinates) {
+  Features features = random_features(25, 3, 1);
+  for (float& value : features.values) value *= 1e19f;  // squares overflow
+  Random random(1, RandomStream::reduction, 0);
+  const Clustering clustering = strong_kmeans(features, 4, 4, 100, random);
+  for (const int cluster : clustering.cluster_of) {
+    EXPECT_GE(cluster, 0);
+    EXPECT_LT(cluster, clustering.count());
+  }
+}
+
+}  // namespace
+}  // namespace relume
