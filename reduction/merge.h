@@ -14,6 +14,11 @@ namespace relume {
 void merge_clusters(const SampleMatrix& samples, const Clustering& clustering,
                     float weight_per_sample, TypedRows& out);
 
+/// The same with shared rows: means are weighted by membership, and a record's weight is
+/// `weight_per_sample` times the sum of its memberships, so that all weights still sum to the rows'.
+void merge_fuzzy_clusters(const SampleMatrix& samples, const FuzzyClustering& clustering,
+                          float weight_per_sample, TypedRows& out);
+
 /// Every row becomes a record of weight `weight_per_sample`.
 void copy_rows(const SampleMatrix& samples, float weight_per_sample, TypedRows& out);
 

@@ -8,7 +8,6 @@ void evaluate_responses(const LobeEvaluator& evaluator, std::span<const SampleMa
   responses.columns = columns;
   responses.lobes.resize(matrices.size());
   responses.v.resize(matrices.size());
-  responses.target.assign(static_cast<size_t>(3) * columns, 0.0f);
   for (size_t t = 0; t < matrices.size(); ++t) {
     const SampleMatrix& matrix = matrices[t];
     const int type = static_cast<int>(t);
@@ -20,9 +19,18 @@ void evaluate_responses(const LobeEvaluator& evaluator, std::span<const SampleMa
     }
     shade_rows(evaluator, type, matrix.values, matrix.rows, responses.lobes[t].data(),
                responses.v[t].data());
-    for (int row = 0; row < matrix.rows; ++row) {
-      const float* v = &responses.v[t][static_cast<size_t>(row) * 3 * columns];
-      for (int i = 0; i < 3 * columns; ++i) responses.target[i] += weight_per_sample * v[i];
+  }
+  sum_target(matrices, weight_per_sample, responses);
+}
+
+void sum_target(std::span<const SampleMatrix> matrices, float weight_per_sample,
+                PixelResponses& responses) {
+  const int length = 3 * responses.columns;
+  responses.target.assign(length, 0.0f);
+  for (size_t t = 0; t < matrices.size(); ++t) {
+    for (int row = 0; row < matrices[t].rows; ++row) {
+      const float* v = &responses.v[t][static_cast<size_t>(row) * length];
+      for (int i = 0; i < length; ++i) responses.target[i] += weight_per_sample * v[i];
     }
   }
 }

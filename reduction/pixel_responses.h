@@ -21,4 +21,8 @@ struct PixelResponses {
 void evaluate_responses(const LobeEvaluator& evaluator, std::span<const SampleMatrix> matrices,
                         float weight_per_sample, PixelResponses& responses);
 
+/// target = weight_per_sample times the sum of all rows of V: again, after V was changed.
+void sum_target(std::span<const SampleMatrix> matrices, float weight_per_sample,
+                PixelResponses& responses);
+
 }  // namespace relume

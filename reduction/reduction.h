@@ -13,6 +13,14 @@ enum class ReductionMethod {
   pure,           ///< no reduction: the sampler takes k fresh stratified samples (TR2007-600 sec. 4.2)
   kmeans,         ///< the report's K-means, sec. 3.1, on raw fields from the first k samples
   strong_kmeans,  ///< k-means++ with restarts on scaled fields, at least one record a type
+  kmedoids,       ///< partitioning around medoids on scaled fields, at least one record a type
+  cmeans,         ///< fuzzy C-means (the report's sec. 5) on scaled fields, at least one record a type
+  light_metric_1,  ///< the samples closest to the pixel under the training lights, sec. 3.2, eq. 4
+  light_metric_2,  ///< the same, drawn from shader groups, sec. 3.3, eq. 5
+  light_metric_3,  ///< the same, with the most typical white-Lambert member of each cluster, sec. 3.4
+  light_metric_4,  ///< the samples whose running mean is closest to the pixel, sec. 3.5, eq. 6
+  light_metric_5,  ///< k-means on the samples' values under the training lights, sec. 3.6
+  light_metric_6,  ///< k-means' clusters with the representatives of eq. 4, sec. 3.7
 };
 
 inline constexpr std::array reduction_method_labels = {
@@ -20,21 +28,54 @@ inline constexpr std::array reduction_method_labels = {
     Label<ReductionMethod>{ReductionMethod::pure, "pure"},
     Label<ReductionMethod>{ReductionMethod::kmeans, "kmeans"},
     Label<ReductionMethod>{ReductionMethod::strong_kmeans, "strong-kmeans"},
+    Label<ReductionMethod>{ReductionMethod::kmedoids, "kmedoids"},
+    Label<ReductionMethod>{ReductionMethod::cmeans, "cmeans"},
+    Label<ReductionMethod>{ReductionMethod::light_metric_1, "light-metric-1"},
+    Label<ReductionMethod>{ReductionMethod::light_metric_2, "light-metric-2"},
+    Label<ReductionMethod>{ReductionMethod::light_metric_3, "light-metric-3"},
+    Label<ReductionMethod>{ReductionMethod::light_metric_4, "light-metric-4"},
+    Label<ReductionMethod>{ReductionMethod::light_metric_5, "light-metric-5"},
+    Label<ReductionMethod>{ReductionMethod::light_metric_6, "light-metric-6"},
+};
+
+/// True for methods that look at samples under training lights: reduce_tile needs a TrainingSet.
+bool needs_training(ReductionMethod method);
+
+/// True for the methods that TR2007-600 measures: PURE, K-means and Light Metric 1 to 6.
+bool is_report_method(ReductionMethod method);
+
+/// Named sets of choices for everything but method, k and spp.
+enum class ReductionPreset {
+  standard,         ///< the defaults: light metrics are trained without shadows
+  report_faithful,  ///< TR2007-600 to the letter; only for its own methods
+};
+
+inline constexpr std::array reduction_preset_labels = {
+    Label<ReductionPreset>{ReductionPreset::standard, "standard"},
+    Label<ReductionPreset>{ReductionPreset::report_faithful, "report-faithful"},
 };
 
 struct ReductionParams {
   ReductionMethod method = ReductionMethod::strong_kmeans;
   int records = 8;           ///< k, at most, per pixel: 1..64
   int max_iterations = 100;  ///< of k-means, per run
-  int restarts = 4;          ///< strong k-means: k-means++ starts, best inertia wins
+  int restarts = 4;          ///< strong k-means, C-means: k-means++ starts, best inertia wins
   uint64_t seed = 0;
   float scene_radius = 1;    ///< world; the unit of positions in scaled features
 };
 
+/// The report's own choices for one of its methods, those of its experiment 1 (sec. 4.2): k = 8, raw
+/// units, the first k samples as seeds, types may be lost. Its lights: report_faithful_training().
+ReductionParams report_faithful_params(ReductionMethod method);
+
+struct TrainingSet;
+
 /// Reduces every pixel of a tile. `samples` and the result share the types' order; the weights of a
 /// pixel sum to the same coverage. Deterministic in (samples, params, absolute pixel position); no
 /// thread or neighbour changes a pixel. `image_width` turns a position into the pixel's number.
+/// `training` is made for the same types; methods that need none ignore it. Thread-safe.
 SampleTile reduce_tile(const SampleTile& samples, std::span<const SampleType> types,
-                       const ReductionParams& params, int image_width);
+                       const ReductionParams& params, int image_width,
+                       const TrainingSet* training = nullptr);
 
 }  // namespace relume

@@ -26,4 +26,13 @@ struct Clustering {
   int count() const { return static_cast<int>(representatives.size()); }
 };
 
+/// Rows shared among clusters: row i belongs to cluster c with weight memberships[i * count() + c],
+/// >= 0; a row's memberships sum to 1.
+struct FuzzyClustering {
+  std::vector<float> memberships;
+  std::vector<int> representatives;  ///< as in Clustering
+
+  int count() const { return static_cast<int>(representatives.size()); }
+};
+
 }  // namespace relume

@@ -9,11 +9,12 @@ namespace relume {
 namespace {
 
 std::string one_line(std::string_view place, std::string_view what, std::string_view mend) {
-  return fmt::format("{}: {}; {}", printable(place, 400), printable(what, 400), printable(mend, 400));
+  return fmt::format("{}: {}; {}", printable(place, 400), printable(what, 400),
+                     printable(mend, 400));
 }
 
-/// Bytes of the UTF-8 character that `text` starts with; 0 when it is a control character or no valid
-/// UTF-8.
+/// Bytes of the UTF-8 character that `text` starts with; 0 when it is a control character or no
+/// valid UTF-8.
 size_t character_length(std::string_view text) {
   const auto byte = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

@@ -8,11 +8,11 @@ namespace relume {
 
 /// What went wrong in the outside world. The values are the program's exit codes.
 enum class ErrorKind : int {
-  usage = 2,         ///< the command line does not make sense
-  input = 3,         ///< a file is unreadable, corrupt or says something impossible
-  limit = 4,         ///< a count or size is above what we accept
-  output = 5,        ///< a file could not be written
-  cancelled = 130,   ///< the user interrupted the work
+  usage = 2,        ///< the command line does not make sense
+  input = 3,        ///< a file is unreadable, corrupt or says something impossible
+  limit = 4,        ///< a count or size is above what we accept
+  output = 5,       ///< a file could not be written
+  cancelled = 130,  ///< the user interrupted the work
 };
 
 /// The one exception for failures that come from outside (files, flags, limits). Its message is one
@@ -29,9 +29,9 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-/// An ErrorKind::input Error that reads "PLACE: WHAT; MEND". `place` is a file, with a line or field
-/// where there is one ("scene.json: /materials/2/diffuse"). Contents that come from a hostile file
-/// are shortened and stripped of control characters.
+/// An ErrorKind::input Error that reads "PLACE: WHAT; MEND". `place` is a file, with a line or
+/// field where there is one ("scene.json: /materials/2/diffuse"). Contents that come from a hostile
+/// file are shortened and stripped of control characters.
 Error input_error(std::string_view place, std::string_view what, std::string_view mend);
 
 /// Same shape, with exit code 4: a count, size or depth above a limit of ours.
@@ -40,8 +40,9 @@ Error limit_error(std::string_view place, std::string_view what, std::string_vie
 /// Same shape, with exit code 5: a file could not be written.
 Error output_error(std::string_view place, std::string_view what, std::string_view mend);
 
-/// `text` with control characters and invalid UTF-8 replaced by '?' and cut, between characters, to at
-/// most `max_length` bytes and "...", so that text from a hostile file is safe to print and to store.
+/// `text` with control characters and invalid UTF-8 replaced by '?' and cut, between characters, to
+/// at most `max_length` bytes and "...", so that text from a hostile file is safe to print and to
+/// store.
 std::string printable(std::string_view text, size_t max_length = 200);
 
 }  // namespace relume

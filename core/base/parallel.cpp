@@ -9,15 +9,10 @@
 #include <algorithm>
 #include <memory>
 
-// ThreadSanitizer cannot see inside oneTBB, which Debian builds without it. This file is compiled
-// without instrumentation and tells it the two edges that matter: fork before body, body before join.
-#if defined(RELUME_TSAN)
-extern "C" void __tsan_acquire(void*);
-extern "C" void __tsan_release(void*);
-#else
-static inline void __tsan_acquire(void*) {}
-static inline void __tsan_release(void*) {}
-#endif
+#include "core/base/thread_sanitizer.h"
+
+// This file is compiled without ThreadSanitizer and tells it two edges: fork before body, body
+// before join.
 
 namespace relume {
 namespace {

@@ -27,7 +27,9 @@ void install_interrupt_handler() {
   std::signal(SIGTERM, on_signal);
 }
 
-bool interrupted() { return interrupt_seen != 0; }
+bool interrupted() {
+  return interrupt_seen != 0;
+}
 
 ProgressCallback make_terminal_progress(bool quiet) {
   const bool is_terminal = isatty(STDERR_FILENO) != 0;
@@ -37,8 +39,9 @@ ProgressCallback make_terminal_progress(bool quiet) {
     const int filled = static_cast<int>(fraction * width + 0.5);
     const std::string left =
         seconds_left >= 0 && fraction < 1 ? fmt::format("{:.0f} s left", seconds_left) : "";
-    fmt::print(stderr, "{}{:<22} [{:=<{}}{:<{}}] {:3.0f} % {:<14}{}", is_terminal ? "\r" : "", stage,
-               "", filled, "", width - filled, 100 * fraction, left, fraction >= 1 ? "\n" : "");
+    fmt::print(stderr, "{}{:<22} [{:=<{}}{:<{}}] {:3.0f} % {:<14}{}", is_terminal ? "\r" : "",
+               stage, "", filled, "", width - filled, 100 * fraction, left,
+               fraction >= 1 ? "\n" : "");
     std::fflush(stderr);
     return !interrupted();
   };
@@ -54,8 +57,7 @@ void Progress::update(double done, double total) {
   if (!finished && now_ms - last_report_ms_ < 100) return;
   last_report_ms_ = now_ms;
   const double fraction = total > 0 ? std::clamp(done / total, 0.0, 1.0) : 1.0;
-  const double seconds_left =
-      fraction > 0.01 ? now_ms * 1e-3 * (1 - fraction) / fraction : -1.0;
+  const double seconds_left = fraction > 0.01 ? now_ms * 1e-3 * (1 - fraction) / fraction : -1.0;
   if (!callback_(stage_, fraction, seconds_left)) {
     throw Error(ErrorKind::cancelled, stage_ + ": interrupted; nothing was written");
   }

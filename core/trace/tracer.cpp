@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/thread_sanitizer.h"
 #include "core/base/timer.h"
 #include "core/math/frame.h"
 #include "core/trace/ray_bias.h"
@@ -254,10 +255,12 @@ void Tracer::Impl::build() {
   const Timer timer;
   device = rtcNewDevice(nullptr);
   CHECK(device != nullptr);
+  __tsan_release(this);  // construction before the calls below, which come from oneTBB's threads
   rtcSetDeviceMemoryMonitorFunction(
       device,
       // Called inside Embree, whose hand-over between threads ThreadSanitizer cannot see.
       [](void* user, ssize_t bytes, bool) __attribute__((no_sanitize("thread"))) {
+        __tsan_acquire(user);
         static_cast<Impl*>(user)->embree_bytes += bytes;
         return true;
       },

@@ -3,20 +3,11 @@
 #include <limits>
 #include <optional>
 
-
 #include "core/base/check.h"
+#include "reduction/distance.h"
 
 namespace relume {
 namespace {
-
-float squared_distance(const float* a, const float* b, int dimensions) {
-  float sum = 0;
-  for (int i = 0; i < dimensions; ++i) {
-    const float d = a[i] - b[i];
-    sum += d * d;
-  }
-  return sum;
-}
 
 /// State of one run.
 struct Run {

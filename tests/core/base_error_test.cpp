@@ -1,11 +1,10 @@
-#include "core/base/error.h"
-
 #include <gtest/gtest.h>
 
 #include <utility>
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/error.h"
 #include "core/base/label.h"
 #include "core/base/progress.h"
 #include "tests/support/expect_error.h"
@@ -24,7 +23,8 @@ TEST(Error, ReadsPlaceWhatMend) {
 }
 
 TEST(Error, HostileTextStaysOnOneShortLine) {
-  const std::string hostile = "\x1b[2J\r\nrm -rf\t\x7f" + std::string(1, '\0') + std::string(9999, 'x');
+  const std::string hostile =
+      "\x1b[2J\r\nrm -rf\t\x7f" + std::string(1, '\0') + std::string(9999, 'x');
   const std::string text = input_error(hostile, hostile, hostile).what();
   EXPECT_LT(text.size(), 1300u);
   for (const char c : text) {
@@ -51,7 +51,9 @@ TEST(Printable, NeverCutsThroughACharacter) {
 
 TEST(Printable, ReplacesC1ControlCharacters) {
   // U+009B, in UTF-8 the bytes C2 9B, starts an escape sequence on some terminals.
-  const std::string text = printable("a\xc2\x9b" "2Jb");
+  const std::string text = printable(
+      "a\xc2\x9b"
+      "2Jb");
   EXPECT_EQ(text.find('\x9b'), std::string::npos);
 }
 

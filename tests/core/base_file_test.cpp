@@ -1,9 +1,8 @@
-#include "core/base/file.h"
-
 #include <gtest/gtest.h>
 
 #include <utility>
 
+#include "core/base/file.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -14,7 +13,9 @@ using test::read_all;
 using test::TemporaryFolder;
 using test::write_all;
 
-std::span<const std::byte> as_bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> as_bytes(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
 
 TEST(AtomicFile, CommitReplacesTheOldFile) {
   const TemporaryFolder folder;

@@ -1,5 +1,3 @@
-#include "core/base/parallel.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -7,6 +5,8 @@
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "core/base/parallel.h"
 
 namespace relume {
 namespace {

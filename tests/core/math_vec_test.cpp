@@ -1,10 +1,9 @@
-#include "core/math/vec.h"
-
 #include <gtest/gtest.h>
 
 #include "core/math/color.h"
 #include "core/math/frame.h"
 #include "core/math/transform.h"
+#include "core/math/vec.h"
 #include "tests/support/records.h"
 
 namespace relume {

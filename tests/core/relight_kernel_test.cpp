@@ -1,9 +1,8 @@
-#include "core/relight/kernel.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.h"
+#include "core/relight/kernel.h"
 #include "core/relight/reference_relight.h"
 #include "core/relight/relight.h"
 #include "core/shade/reference.h"
@@ -42,9 +41,9 @@ dvec3 jitter(dvec3 v, double size, Random& random) {
   return v;
 }
 
-/// How far a float kernel may be from the reference for this record: a relative rounding bound, and how
-/// much the reference itself moves when directions are off by float rounding. Near an exponent of
-/// 1e5 or a grazing angle the problem is ill-conditioned, whoever computes it.
+/// How far a float kernel may be from the reference for this record: a relative rounding bound, and
+/// how much the reference itself moves when directions are off by float rounding. Near an exponent
+/// of 1e5 or a grazing angle the problem is ill-conditioned, whoever computes it.
 double tolerance(const SampleType& type, const float* vector, const Light& light, dvec3 eye,
                  double exact, size_t channel) {
   std::vector<double> v(vector, vector + type.width);
@@ -69,8 +68,8 @@ double tolerance(const SampleType& type, const float* vector, const Light& light
   double spot_error = 0;
   if (light.type == LightType::spot) {
     const double degree = 3.14159265358979323846 / 180;
-    const double range = std::cos(light.inner_angle_deg * degree) -
-                         std::cos(light.outer_angle_deg * degree);
+    const double range =
+        std::cos(light.inner_angle_deg * degree) - std::cos(light.outer_angle_deg * degree);
     spot_error = std::min(1.0, 1.5 * 5e-7 / std::max(range, 1e-6));
     // A cone without a fade is a step: a record within rounding of its edge may be on either side.
     const double cosine = glm::dot(glm::normalize(wi), -glm::normalize(dvec3(light.direction)));
@@ -79,7 +78,8 @@ double tolerance(const SampleType& type, const float* vector, const Light& light
   }
   // Rounding of the cosine under a power of e grows e times.
   const double power_error = type.width == 14 ? 3e-7 * v[13] : 0.0;
-  return (1e-5 + power_error) * exact + irradiance * (4 * spread + (base + spread) * spot_error) + 1e-15 * irradiance;
+  return (1e-5 + power_error) * exact + irradiance * (4 * spread + (base + spread) * spot_error) +
+         1e-15 * irradiance;
 }
 
 class Kernel : public testing::TestWithParam<std::tuple<InstructionSet, size_t>> {
@@ -130,7 +130,8 @@ TEST_P(Kernel, MatchesTheReferenceForEachLight) {
             const double bound = tolerance(type, v, light, dvec3(eye), exact[c], c);
             ASSERT_NEAR(image.rgb(pixel)[c], exact[c], bound)
                 << type.name << " " << label_of(light_type_labels, light.type) << " falloff "
-                << light.falloff << " distance " << distance << " seed " << seed << " pixel " << pixel;
+                << light.falloff << " distance " << distance << " seed " << seed << " pixel "
+                << pixel;
             lit += exact[c] > 0 ? 1 : 0;
           }
         }
@@ -198,8 +199,8 @@ TEST_P(MixedKernel, SumsRecordsOfAllTypesAndTheirVisibility) {
   const RelightCache cache = make_tile_cache(tile, types, {0, 0, 4});
   HashedVisibility shadows;
   for (const Light& light : lights_at(2.0f)) {
-    for (VisibilitySource* source : {static_cast<VisibilitySource*>(nullptr),
-                                     static_cast<VisibilitySource*>(&shadows)}) {
+    for (VisibilitySource* source :
+         {static_cast<VisibilitySource*>(nullptr), static_cast<VisibilitySource*>(&shadows)}) {
       const Image exact = reference_layer(cache, light, source);
       RelightState state = make_relight_state(cache);
       relight(state, {&light, 1}, source, {GetParam()});

@@ -78,15 +78,16 @@ Light coloured(Light light, vec3 color) {
   return light;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Lights, LambertPlane,
-    testing::Values(make_point_light({0.5f, 0.3f, 1.5f}, 3), make_point_light({0, 0, 0.05f}, 2),
-                    make_point_light({0.5f, 0.3f, 1.5f}, 3, false),
-                    coloured(make_point_light({-1, 0, 2}, 2), {1, 0.5f, 0}),
-                    make_spot_light({0, 1, 2}, {0, -1, -2}, 10, 25),
-                    make_spot_light({0, 1, 2}, {0, -1, -2}, 10, 25, false),
-                    make_spot_light({0.2f, 0, 1}, {0, 0, -1}, 0, 90),
-                    make_directional_light({1, 1, -1}, 2), make_directional_light({0, 0, -1})));
+INSTANTIATE_TEST_SUITE_P(Lights, LambertPlane,
+                         testing::Values(make_point_light({0.5f, 0.3f, 1.5f}, 3),
+                                         make_point_light({0, 0, 0.05f}, 2),
+                                         make_point_light({0.5f, 0.3f, 1.5f}, 3, false),
+                                         coloured(make_point_light({-1, 0, 2}, 2), {1, 0.5f, 0}),
+                                         make_spot_light({0, 1, 2}, {0, -1, -2}, 10, 25),
+                                         make_spot_light({0, 1, 2}, {0, -1, -2}, 10, 25, false),
+                                         make_spot_light({0.2f, 0, 1}, {0, 0, -1}, 0, 90),
+                                         make_directional_light({1, 1, -1}, 2),
+                                         make_directional_light({0, 0, -1})));
 
 TEST(LambertPlane, IsBlackFromBehind) {
   const Scene scene = make_plane_scene(10, vec3(1), 8, 8);
@@ -118,7 +119,8 @@ TEST(PhongPlane, ShowsItsHighlightWhereTheMirrorRayGoes) {
   Scene scene = make_plane_scene(10, vec3(0), 61, 61);
   scene.materials[0] = {};
   scene.materials.clear();
-  add_material(scene, "phong", {{"diffuse", vec3(0)}, {"specular", vec3(1)}, {"exponent", vec3(40)}});
+  add_material(scene, "phong",
+               {{"diffuse", vec3(0)}, {"specular", vec3(1)}, {"exponent", vec3(40)}});
   const Tracer tracer(scene);
   const RelightCache cache = make_full_cache(scene, tracer, spp, seed);
   // The eye at (0, 0, 4) and a light at (1, 0, 4), both 4 above: the highlight is at x = 0.5, and a

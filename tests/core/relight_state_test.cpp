@@ -1,9 +1,8 @@
-#include "core/relight/relight.h"
-
 #include <gtest/gtest.h>
 
 #include "core/relight/film.h"
 #include "core/relight/reference_relight.h"
+#include "core/relight/relight.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/records.h"
 #include "tests/support/scenes.h"
@@ -16,7 +15,6 @@ using namespace test;  // NOLINT: light and record builders
 class RelightTest : public testing::Test {
  protected:
   RelightTest() {
-    for (SampleType& type : types_) (void)type;
     lights_ = {make_point_light({0, 1, 3}, 5), make_spot_light({2, 0, 3}, {-2, 0, -3}, 20, 40),
                make_directional_light({0, -1, -1}, 0.5f)};
     lights_[1].color = {1, 0.5f, 0.25f};
@@ -222,7 +220,8 @@ TEST(Film, ReplacesByZeroAndCounts) {
   Image image(2, 1);
   Film film(image);
   film.write(0, 0, {1, std::nanf(""), 3});
-  film.write(1, 0, {std::numeric_limits<float>::infinity(), 5, -std::numeric_limits<float>::infinity()});
+  film.write(1, 0,
+             {std::numeric_limits<float>::infinity(), 5, -std::numeric_limits<float>::infinity()});
   EXPECT_EQ(film.replaced(), 3u);
   EXPECT_EQ(image.pixels, (std::vector<float>{1, 0, 3, 0, 5, 0}));
 }

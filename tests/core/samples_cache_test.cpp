@@ -1,11 +1,10 @@
-#include "core/samples/relight_cache.h"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
 
 #include "core/base/parallel.h"
 #include "core/samples/cache_writer.h"
+#include "core/samples/relight_cache.h"
 #include "core/shade/shaders.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/records.h"
@@ -30,7 +29,8 @@ CacheInfo full_info(const SampleTile& tile, const std::vector<SampleType>& types
   info.scene_file = "scenes/x.json";
   info.scene_text = std::string("{ \"a\": 1 }\0 // binary", 21);
   info.exposure = -1.5f;
-  info.lights = {make_point_light({1, 2, 3}, 4), make_spot_light({0, 1, 0}, {0, -1, 0}, 10, 30, false),
+  info.lights = {make_point_light({1, 2, 3}, 4),
+                 make_spot_light({0, 1, 0}, {0, -1, 0}, 10, 30, false),
                  make_directional_light({1, 0, 0})};
   info.lights[1].name = "spot";
   info.lights[1].mute = true;
@@ -143,7 +143,8 @@ TEST_F(Cache, CoverageIsTheSumOfTheWeights) {
   for (int pixel = 0; pixel < tile_.pixel_count(); ++pixel) {
     double expected = 0;
     for (const TypedRows& rows : tile_.types) {
-      for (uint32_t r = rows.first[pixel]; r < rows.first[pixel + 1]; ++r) expected += rows.weights[r];
+      for (uint32_t r = rows.first[pixel]; r < rows.first[pixel + 1]; ++r)
+        expected += rows.weights[r];
     }
     EXPECT_NEAR(coverage[pixel], expected, 0.5 / 255 + 1e-6);
     EXPECT_EQ(coverage[pixel] > 0, expected > 0);

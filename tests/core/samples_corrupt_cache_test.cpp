@@ -93,7 +93,9 @@ void rehash(Bytes& bytes) {
   std::memcpy(bytes.data(), &header, sizeof(header));
 }
 
-TEST(CorruptCache, ValidBytesOpen) { use(make_valid()); }
+TEST(CorruptCache, ValidBytesOpen) {
+  use(make_valid());
+}
 
 TEST(CorruptCache, EveryTruncationIsRefused) {
   const Bytes valid = make_valid();
@@ -191,7 +193,8 @@ TEST(CorruptCache, ForgedTilesAreRefused) {
 }
 
 TEST(CorruptCache, ForgedBlocksNeverReadOutside) {
-  // Any byte of the block headers may be anything: refused, or sound (the sanitizer build sees to it).
+  // Any byte of the block headers may be anything: refused, or sound (the sanitizer build sees to
+  // it).
   const Bytes valid = make_valid();
   CacheHeader header;
   std::memcpy(&header, valid.data(), sizeof(header));

@@ -1,8 +1,7 @@
-#include "core/samples/sample_scene.h"
-
 #include <gtest/gtest.h>
 
 #include "core/math/color.h"
+#include "core/samples/sample_scene.h"
 #include "tests/support/scenes.h"
 
 namespace relume {
@@ -37,7 +36,8 @@ TEST(SampleTypes, MergeChoicesMakeTypesOfTheirOwn) {
   for (int i = 0; i < 4; ++i) add_material(scene, "phong");
   scene.materials[1].merges = {{"diffuse", Merge::representative}};
   scene.materials[2].merges = {{"diffuse", Merge::average}};  // the default, spelled out
-  scene.materials[3].merges = {{"diffuse", Merge::representative}, {"normal", Merge::representative}};
+  scene.materials[3].merges = {{"diffuse", Merge::representative},
+                               {"normal", Merge::representative}};
   const SampleTypes types = make_sample_types(scene);
   ASSERT_EQ(types.types.size(), 3u);
   EXPECT_EQ(types.types[0].name, "phong");
@@ -143,8 +143,8 @@ TEST(SampleTile, BakesTexturesAndStrandColours) {
 }
 
 TEST(SampleTile, ThinStrandCoversItsShareOfTheView) {
-  // A vertical strand 0.2 pixels wide in a random place of each of 64 columns' width: its coverage is
-  // a sum of Bernoulli samples whose mean is its projected area.
+  // A vertical strand 0.2 pixels wide in a random place of each of 64 columns' width: its coverage
+  // is a sum of Bernoulli samples whose mean is its projected area.
   Scene scene = make_empty_scene(make_camera({0, 0, 10}, vec3(0), 10), 64, 64);
   const CameraRays rays(scene.camera, 64, 64);
   const float pixel = 10 * rays.footprint_per_depth();

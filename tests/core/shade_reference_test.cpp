@@ -1,7 +1,6 @@
-#include "core/shade/reference.h"
-
 #include <gtest/gtest.h>
 
+#include "core/shade/reference.h"
 #include "core/shade/shader_list.h"
 #include "core/shade/shaders.h"
 #include "tests/support/records.h"
@@ -162,7 +161,8 @@ TEST(Reference, IsNeverNegativeOrNonFinite) {
       std::vector<float> v;
       append_random_vector(type, random, v);
       const vec3 position = 3.0f * random_direction(random);
-      const dvec3 rgb = reference_response(type, v.data(), make_point_light(position), {0, 0, 5}, 1);
+      const dvec3 rgb =
+          reference_response(type, v.data(), make_point_light(position), {0, 0, 5}, 1);
       for (size_t c = 0; c < 3; ++c) {
         EXPECT_TRUE(std::isfinite(rgb[c]) && rgb[c] >= 0) << type.name;
       }

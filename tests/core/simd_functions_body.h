@@ -1,7 +1,7 @@
 #pragma once
 
-// Included by one small source file per instruction set, which defines RELUME_ISA. No test framework
-// and no standard library here: their inline functions must not be built for that set.
+// Included by one small source file per instruction set, which defines RELUME_ISA. No test
+// framework and no standard library here: their inline functions must not be built for that set.
 
 #include "core/simd/pack.h"
 #include "tests/core/simd_functions.h"
@@ -29,9 +29,9 @@ inline void map_fma(const float* a, const float* b, const float* c, float* out, 
 }
 
 test::SimdFunctions simd_functions() {
-  return {map<log2<native_width>>,     map<exp2<native_width>>, map<rsqrt<native_width>>,
-          map<sqrt<native_width>>,     map<pow_unit<native_width>>, map_fma,
-          map<min<native_width>>,      map<max<native_width>>,  native_width};
+  return {map<log2<native_width>>, map<exp2<native_width>>,     map<rsqrt<native_width>>,
+          map<sqrt<native_width>>, map<pow_unit<native_width>>, map_fma,
+          map<min<native_width>>,  map<max<native_width>>,      native_width};
 }
 
 }  // namespace relume::RELUME_ISA

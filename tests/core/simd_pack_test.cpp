@@ -186,8 +186,9 @@ TEST_P(Simd, MinAndMaxDropANanOfTheFirst) {
 }
 
 std::string set_name(const testing::TestParamInfo<InstructionSet>& info) {
-  return info.param == InstructionSet::sse42 ? "sse42"
-                                             : std::string(label_of(instruction_set_labels, info.param));
+  return info.param == InstructionSet::sse42
+             ? "sse42"
+             : std::string(label_of(instruction_set_labels, info.param));
 }
 
 INSTANTIATE_TEST_SUITE_P(InstructionSets, Simd,

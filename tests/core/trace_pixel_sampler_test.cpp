@@ -1,9 +1,9 @@
-#include "core/trace/pixel_sampler.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
+
+#include "core/trace/pixel_sampler.h"
 
 namespace relume {
 namespace {

@@ -1,8 +1,7 @@
-#include "core/trace/texture_lookup.h"
-
 #include <gtest/gtest.h>
 
 #include "core/math/color.h"
+#include "core/trace/texture_lookup.h"
 
 namespace relume {
 namespace {
@@ -56,8 +55,8 @@ TEST(Texture, RepeatsInBothDirections) {
 TEST(Texture, OddCoordinatesStayInside) {
   const Texture texture = make_ramp(3, 2);
   const float infinity = std::numeric_limits<float>::infinity();
-  for (const float odd : {std::nanf(""), infinity, -infinity, 3e38f, -3e38f, 1e6f, -1e6f, 999999.94f,
-                          -1e-20f, 1e-45f, -1e-45f, 0x1.fffffep-1f}) {
+  for (const float odd : {std::nanf(""), infinity, -infinity, 3e38f, -3e38f, 1e6f, -1e6f,
+                          999999.94f, -1e-20f, 1e-45f, -1e-45f, 0x1.fffffep-1f}) {
     for (const vec2 uv : {vec2(odd, 0), vec2(0, odd), vec2(odd, odd), vec2(odd, 0.3f)}) {
       const vec4 value = lookup_texture(texture, uv);
       for (size_t c = 0; c < 4; ++c) {

@@ -1,9 +1,8 @@
-#include "core/trace/tracer.h"
-
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
 #include "core/trace/ray_bias.h"
+#include "core/trace/tracer.h"
 #include "tests/support/records.h"
 #include "tests/support/scenes.h"
 
@@ -12,9 +11,13 @@ namespace {
 
 using namespace test;  // NOLINT: scene builders
 
-Ray ray_from(vec3 origin, vec3 direction) { return {.origin = origin, .direction = direction}; }
+Ray ray_from(vec3 origin, vec3 direction) {
+  return {.origin = origin, .direction = direction};
+}
 
-Scene make_base() { return make_empty_scene(make_camera({0, 0, 5}, vec3(0), 40), 8, 8); }
+Scene make_base() {
+  return make_empty_scene(make_camera({0, 0, 5}, vec3(0), 40), 8, 8);
+}
 
 TEST(Tracer, FindsTheNearerOfTwoQuads) {
   Scene scene = make_base();
@@ -172,8 +175,8 @@ TEST(Tracer, StrandHitsCarryTangentColourAndBias) {
 }
 
 TEST(Tracer, StrandPointsLieOnTheirAxis) {
-  // The ribbon that a ray meets turns with the ray: only the axis is a place of its own, and from there
-  // a strand cannot shadow its own straight run whatever the light's angle.
+  // The ribbon that a ray meets turns with the ray: only the axis is a place of its own, and from
+  // there a strand cannot shadow its own straight run whatever the light's angle.
   Scene scene = make_base();
   add_shape(scene, make_strand({0, -1, 0}, {0, 1, 0}, 0.1f, 4, add_material(scene, "kajiya-kay")));
   const Tracer tracer(scene);

@@ -1,5 +1,3 @@
-#include "reduction/allocation.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <numeric>
 
 #include "core/base/random.h"
+#include "reduction/allocation.h"
 
 namespace relume {
 namespace {
@@ -29,8 +28,7 @@ std::vector<int> brute_force(const std::vector<int>& counts, int k) {
       }
       const int remainder = k * counts[t] % total;
       const int best_remainder = k * counts[best] % total;
-      if (remainder > best_remainder ||
-          (remainder == best_remainder && counts[t] > counts[best])) {
+      if (remainder > best_remainder || (remainder == best_remainder && counts[t] > counts[best])) {
         best = t;
       }
     }

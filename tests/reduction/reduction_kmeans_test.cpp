@@ -1,9 +1,9 @@
-#include "reduction/methods/kmeans.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <numeric>
+
+#include "reduction/methods/kmeans.h"
 
 namespace relume {
 namespace {
@@ -75,8 +75,9 @@ void expect_sound(const Features& features, const Clustering& clustering, int k)
   for (int cluster = 0; cluster < clustering.count(); ++cluster) {
     const int representative = clustering.representatives[cluster];
     ASSERT_EQ(clustering.cluster_of[representative], cluster);
-    const double nearest = squared_distance(
-        features.row(representative), &centroids[cluster * features.dimensions], features.dimensions);
+    const double nearest =
+        squared_distance(features.row(representative), &centroids[cluster * features.dimensions],
+                         features.dimensions);
     for (int row = 0; row < features.rows; ++row) {
       if (clustering.cluster_of[row] != cluster) continue;
       EXPECT_GE(squared_distance(features.row(row), &centroids[cluster * features.dimensions],
@@ -146,8 +147,8 @@ TEST_P(KmeansOnRandomRows, ConvergedAssignmentsAreNearest) {
     const Clustering clustering = kmeans(features, first_seeds(k), 1000);
     const std::vector<double> centroids = centroids_of(features, clustering);
     for (int row = 0; row < 25; ++row) {
-      const double own = squared_distance(
-          features.row(row), &centroids[clustering.cluster_of[row] * 5], 5);
+      const double own =
+          squared_distance(features.row(row), &centroids[clustering.cluster_of[row] * 5], 5);
       for (int cluster = 0; cluster < clustering.count(); ++cluster) {
         ASSERT_LE(own, squared_distance(features.row(row), &centroids[cluster * 5], 5) + 1e-5);
       }

@@ -1,9 +1,8 @@
-#include "reduction/merge.h"
-
 #include <gtest/gtest.h>
 
 #include "core/shade/shader_list.h"
 #include "reduction/features.h"
+#include "reduction/merge.h"
 #include "tests/support/records.h"
 
 namespace relume {
@@ -59,7 +58,8 @@ TEST(Merge, ArtistsChoiceChangesTheCategory) {
   rows.type.merges[3] = Merge::representative;  // diffuse
   TypedRows out;
   merge_clusters(rows.matrix(), {{0, 0, 0}, {1}}, 1.0f / 3, out);
-  EXPECT_NEAR(out.values[0], (rows.values[0] + rows.values[width] + rows.values[2 * width]) / 3, 1e-6);
+  EXPECT_NEAR(out.values[0], (rows.values[0] + rows.values[width] + rows.values[2 * width]) / 3,
+              1e-6);
   for (int i = 7; i < 10; ++i) EXPECT_EQ(out.values[i], rows.values[width + i]);
 }
 
@@ -87,13 +87,15 @@ TEST(Merge, AxesOfOppositeSignAddUp) {
   Rows rows{make_sample_type(KajiyaKay::info), {}};
   Random random(4, RandomStream::tests, 0);
   for (int i = 0; i < 4; ++i) test::append_random_vector(rows.type, random, rows.values);
-  const vec3 axis = test::random_direction(random);
-  for (int row = 0; row < 4; ++row) {
-    for (size_t c = 0; c < 3; ++c) rows.values[row * width + 4 + c] = row % 2 == 0 ? axis[c] : -axis[c];
+  const vec3 axes[] = {{0.6f, 0, 0.8f}, {0, -0.6f, -0.8f}, {0.8f, 0, 0.6f}, {0, -0.8f, -0.6f}};
+  for (size_t row = 0; row < 4; ++row) {
+    for (size_t c = 0; c < 3; ++c) rows.values[row * width + 4 + c] = axes[row][c];
   }
   TypedRows out;
   merge_clusters(rows.matrix(), {{0, 0, 0, 0}, {1}}, 0.25f, out);
-  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(out.values[4 + c], -axis[c], 1e-6) << "row 1's side";
+  const vec3 expected = glm::normalize(axes[1] + axes[3] - axes[0] - axes[2]);
+  for (size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(out.values[4 + c], expected[c], 1e-6) << "row 1's side";
 }
 
 TEST(CopyRows, KeepsEverything) {

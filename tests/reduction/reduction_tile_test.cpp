@@ -1,10 +1,9 @@
-#include "reduction/reduction.h"
-
 #include <gtest/gtest.h>
 
 #include "core/shade/shader_list.h"
 #include "reduction/allocation.h"
 #include "reduction/methods/kmeans.h"
+#include "reduction/reduction.h"
 #include "tests/support/records.h"
 
 namespace relume {
@@ -36,8 +35,7 @@ const float* row_of(const SampleTile& tile, const std::vector<SampleType>& types
   return &tile.types[type].values[static_cast<size_t>(row) * types[type].width];
 }
 
-class Reduction
-    : public testing::TestWithParam<std::tuple<ReductionMethod, int>> {
+class Reduction : public testing::TestWithParam<std::tuple<ReductionMethod, int>> {
  protected:
   ReductionParams params() const {
     ReductionParams result;
@@ -96,7 +94,8 @@ TEST_P(Reduction, UnitFieldsStayUnitAndPositionsAreRealSamples) {
         const float* v = row_of(records, types_, t, r);
         EXPECT_NEAR(glm::length(vec3(v[4], v[5], v[6])), 1, 1e-5);
         bool found = false;
-        for (uint32_t s = samples_.types[t].first[pixel]; s < samples_.types[t].first[pixel + 1]; ++s) {
+        for (uint32_t s = samples_.types[t].first[pixel]; s < samples_.types[t].first[pixel + 1];
+             ++s) {
           const float* sample = row_of(samples_, types_, t, s);
           found = found || std::equal(v, v + 4, sample);
         }
@@ -144,7 +143,8 @@ TEST_P(Reduction, MovedAndScaledScenesGiveTheSameRecords) {
       if (std::abs(value) <= 1) value = std::round(value * 32) / 32;
     }
   }
-  for (const auto& [scale, offset] : {std::pair{0x1p-20f, 0.0f}, {0x1p20f, 0.0f}, {1.0f, 131072.0f}}) {
+  for (const auto& [scale, offset] :
+       {std::pair{0x1p-20f, 0.0f}, {0x1p20f, 0.0f}, {1.0f, 131072.0f}}) {
     // The report's k-means works in raw units: only a move leaves it alone.
     if (params().method == ReductionMethod::kmeans && scale != 1) continue;
     SampleTile moved = samples_;
@@ -328,7 +328,8 @@ TEST(ReportKmeans, IgnoresSeedAndSceneRadius) {
   params.seed = 99;
   params.scene_radius = 1000;
   const SampleTile second = reduce_tile(tile, types, params, 6);
-  for (size_t t = 0; t < types.size(); ++t) EXPECT_EQ(first.types[t].values, second.types[t].values);
+  for (size_t t = 0; t < types.size(); ++t)
+    EXPECT_EQ(first.types[t].values, second.types[t].values);
 }
 
 }  // namespace

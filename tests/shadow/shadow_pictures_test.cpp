@@ -43,9 +43,8 @@ struct Placement {
 };
 
 /// Scales and places at which every picture must hold.
-const Placement placements[] = {
-    {1, vec3(0)}, {1e-6f, vec3(0)}, {1e-3f, vec3(0)}, {1e3f, vec3(0)}, {1e6f, vec3(0)},
-    {1, vec3(50, -80, 30)}};
+const Placement placements[] = {{1, vec3(0)},    {1e-6f, vec3(0)}, {1e-3f, vec3(0)},
+                                {1e3f, vec3(0)}, {1e6f, vec3(0)},  {1, vec3(50, -80, 30)}};
 
 class Enclosure : public testing::TestWithParam<Placement> {};
 
@@ -84,8 +83,8 @@ INSTANTIATE_TEST_SUITE_P(Placements, Enclosure, testing::ValuesIn(placements));
 class ShadowEdge : public testing::TestWithParam<Placement> {};
 
 TEST_P(ShadowEdge, FallsInItsColumn) {
-  // Light at height 2 over x = 0, an occluder at height 1 over x < 0.1 (to -3): by similar triangles
-  // the shadow on z = 0 covers x < 0.2.
+  // Light at height 2 over x = 0, an occluder at height 1 over x < 0.1 (to -3): by similar
+  // triangles the shadow on z = 0 covers x < 0.2.
   Scene scene = make_plane_scene(5, vec3(0.5f), 100, 20);
   add_shape(scene, make_quad({-1.45f, 0, 1}, {1.55f, 0, 0}, {0, 30, 0}, 0));
   // Seen from a place from which the occluder hides nothing of the right side.
@@ -103,8 +102,8 @@ TEST_P(ShadowEdge, FallsInItsColumn) {
       const vec3 p = rays.eye() - d * (rays.eye().z / d.z);
       const vec3 at_occluder = rays.eye() - d * ((rays.eye().z - 1) / d.z);
       if (at_occluder.x < 0.15f) continue;  // the occluder itself, or its outline
-      const float half_pixel_px = std::abs(rays.project(p).film_px.x -
-                                           rays.project({0.2f, p.y, 0}).film_px.x);
+      const float half_pixel_px =
+          std::abs(rays.project(p).film_px.x - rays.project({0.2f, p.y, 0}).film_px.x);
       if (half_pixel_px < 1.5f) continue;  // the edge runs through the pixel
       const size_t i = static_cast<size_t>(y) * 100 + x;
       const float seen = picture.shadowed.rgb(i).x;
@@ -231,8 +230,8 @@ TEST_P(StrandSelfShadow, LightFromTheFrontReachesEverySample) {
 }
 
 TEST_P(StrandSelfShadow, LightFromAnySideReachesEverySample) {
-  // A ribbon has no dark side. Below atan(1 / 2) = 27 degrees to the strand the end of the next segment
-  // comes within a radius of rays that start shortly before it: there some samples darken.
+  // A ribbon has no dark side. Below atan(1 / 2) = 27 degrees to the strand the end of the next
+  // segment comes within a radius of rays that start shortly before it: there some samples darken.
   Scene scene = make_strand_scene(GetParam(), 8);
   const vec3 tangent = normalize_or({1.4f, 1.1f, -0.3f}, {1, 0, 0});
   const vec3 side = normalize_or(glm::cross(tangent, vec3(0, 0, 1)), {0, 1, 0});
@@ -241,8 +240,8 @@ TEST_P(StrandSelfShadow, LightFromAnySideReachesEverySample) {
     for (int turn = 0; turn < 8; ++turn) {
       const float a = radians_from_degrees(from_tangent_deg);
       const float b = static_cast<float>(turn) * pi / 4;
-      const vec3 to_light = std::cos(a) * tangent +
-                            std::sin(a) * (std::cos(b) * side + std::sin(b) * front);
+      const vec3 to_light =
+          std::cos(a) * tangent + std::sin(a) * (std::cos(b) * side + std::sin(b) * front);
       const Light light = make_directional_light(-to_light);
       const Picture picture = render(scene, {&light, 1}, 16);
       EXPECT_EQ(darker_pixels(picture), 0)

@@ -1,9 +1,8 @@
-#include "shadow/traced.h"
-
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
 #include "shadow/shadow.h"
+#include "shadow/traced.h"
 #include "tests/support/records.h"
 #include "tests/support/scenes.h"
 
@@ -44,7 +43,8 @@ struct ReceiverSet {
   }
 };
 
-std::vector<float> visibility_of(const Scene& scene, const Light& light, const Receivers& receivers) {
+std::vector<float> visibility_of(const Scene& scene, const Light& light,
+                                 const Receivers& receivers) {
   const Tracer tracer(scene);
   TracedVisibility traced(tracer);
   traced.prepare(light);
@@ -114,12 +114,12 @@ TEST(TracedVisibility, BlockedWhereAQuadStandsBetween) {
   Scene scene = make_empty_sky();
   add_shape(scene, make_quad({0, 0, 1}, {1, 0, 0}, {0, 1, 0}, 0));
   ReceiverSet receivers;
-  receivers.add({0, 0, 0}, {0, 0, 1}, 1e-5f);      // under the quad
-  receivers.add({0, 0, 2}, {0, 0, 1}, 1e-5f);      // above it
-  receivers.add({0, 0, 0}, {0, 0, -1}, 1e-5f);     // faces away: visibility does not matter, no ray
-  receivers.add({0, 0, 0}, {0, 0, 1}, 1e-5f, 0);   // padding
-  receivers.add({2.1f, 0, 0}, {0, 0, 1}, 1e-5f);   // just beside the shadow of a light at height 2
-  receivers.add({1.9f, 0, 0}, {0, 0, 1}, 1e-5f);   // just within
+  receivers.add({0, 0, 0}, {0, 0, 1}, 1e-5f);     // under the quad
+  receivers.add({0, 0, 2}, {0, 0, 1}, 1e-5f);     // above it
+  receivers.add({0, 0, 0}, {0, 0, -1}, 1e-5f);    // faces away: visibility does not matter, no ray
+  receivers.add({0, 0, 0}, {0, 0, 1}, 1e-5f, 0);  // padding
+  receivers.add({2.1f, 0, 0}, {0, 0, 1}, 1e-5f);  // just beside the shadow of a light at height 2
+  receivers.add({1.9f, 0, 0}, {0, 0, 1}, 1e-5f);  // just within
   const auto seen = visibility_of(scene, make_point_light({0, 0, 2}), receivers.view(true));
   EXPECT_EQ(seen[0], 0);
   EXPECT_EQ(seen[1], 1) << "the light lies on the receiver";

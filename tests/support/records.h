@@ -12,7 +12,8 @@ namespace relume::test {
 vec3 random_direction(Random& random);
 
 /// A sample vector of `type`: position in the unit ball, bias 1e-4, unit directions, colours in
-/// [0, 1], exponents log-uniform in [0, 1e5] with exact 0 and 1e5 now and then. Appended to `values`.
+/// [0, 1], exponents log-uniform in [0, 1e5] with exact 0 and 1e5 now and then. Appended to
+/// `values`.
 void append_random_vector(const SampleType& type, Random& random, std::vector<float>& values);
 
 /// A tile of random vectors: every pixel has 0 to `max_rows` rows of each type, weights sum to 1 or
@@ -24,7 +25,8 @@ SampleTile make_random_tile(std::span<const SampleType> types, int width, int he
 std::vector<SampleType> all_sample_types();
 
 /// A cache that holds one tile of records, seen from `eye`, with scene bounds of radius 1.
-RelightCache make_tile_cache(const SampleTile& tile, const std::vector<SampleType>& types, vec3 eye);
+RelightCache make_tile_cache(const SampleTile& tile, const std::vector<SampleType>& types,
+                             vec3 eye);
 
 /// The info of such a cache.
 CacheInfo make_tile_info(const SampleTile& tile, const std::vector<SampleType>& types, vec3 eye);

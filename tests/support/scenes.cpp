@@ -168,8 +168,7 @@ CacheInfo make_cache_info(const Scene& scene, const SampleTypes& types, int spp,
 }
 
 RelightCache make_full_cache(const Scene& scene, const Tracer& tracer, int spp, uint64_t seed) {
-  const ViewSampler view =
-      make_view_sampler(scene, tracer, scene.width, scene.height, spp, seed);
+  const ViewSampler view = make_view_sampler(scene, tracer, scene.width, scene.height, spp, seed);
   CacheWriter writer;
   CacheInfo info = make_cache_info(scene, view.types, spp, seed);
   for (int i = 0; i < tile_count(view); ++i) {

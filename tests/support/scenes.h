@@ -30,7 +30,8 @@ uint32_t add_material(Scene& scene, std::string_view shader,
 void add_shape(Scene& scene, std::variant<Mesh, Curves> shape,
                const mat4x3& world_from_local = identity_transform());
 
-/// The parallelogram center +- half_u +- half_v, two triangles, normal along cross(u, v), uv in [0,1].
+/// The parallelogram center +- half_u +- half_v, two triangles, normal along cross(u, v), uv in
+/// [0,1].
 Mesh make_quad(vec3 center, vec3 half_u, vec3 half_v, uint32_t material);
 
 /// A sphere of latitude bands with the exact (outward) normals of the sphere at its vertices.
@@ -39,8 +40,8 @@ Mesh make_sphere(vec3 center, float radius, int rings, uint32_t material);
 /// One straight strand of equal segments and constant radius.
 Curves make_strand(vec3 root, vec3 tip, float radius, int segments, uint32_t material);
 
-/// A plane z = 0, 2 `half_size` wide, Lambert of albedo `albedo`, seen from (0, 0, 4) with a field of
-/// view that it overfills.
+/// A plane z = 0, 2 `half_size` wide, Lambert of albedo `albedo`, seen from (0, 0, 4) with a field
+/// of view that it overfills.
 Scene make_plane_scene(float half_size, vec3 albedo, int width, int height);
 
 Light make_point_light(vec3 position, float gain = 1, bool falloff = true);

@@ -45,6 +45,13 @@ void add_prepare(CLI::App& app, PrepareOptions& options) {
   app.add_option("--records", options.records, "records per pixel kept (k)")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_option("--training-lights", options.training_lights,
+                 "random lights that light metrics are trained on (l)")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_flag("--train-shadows", options.train_shadows, "train with traced shadows");
+  add_label(app, "--preset", options.preset, reduction_preset_labels,
+            "report-faithful: TR2007-600 to the letter, 200 lights with shadows");
   app.add_option("--width", options.width, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
   app.add_option("--height", options.height, "pixels; 0 = the scene's")
       ->check(CLI::Range(0, 16384));

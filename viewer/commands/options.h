@@ -27,6 +27,9 @@ struct PrepareOptions {
   int spp = 25;
   ReductionMethod method = ReductionMethod::strong_kmeans;
   int records = 8;
+  int training_lights = 200;
+  bool train_shadows = false;
+  ReductionPreset preset = ReductionPreset::standard;
   int width = 0;   ///< pixels; 0 = the scene's
   int height = 0;
 };

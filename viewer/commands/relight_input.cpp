@@ -53,9 +53,22 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
   params.spp = options.spp;
   params.width = options.width;
   params.height = options.height;
-  params.reduction.method = options.method;
+  params.training = {.lights = options.training_lights, .shadows = options.train_shadows};
+  if (options.preset == ReductionPreset::report_faithful) {
+    if (!is_report_method(options.method)) {
+      throw Error(ErrorKind::usage,
+                  fmt::format("--preset {}: {} is not one of the report's methods",
+                              label_of(reduction_preset_labels, options.preset),
+                              label_of(reduction_method_labels, options.method)));
+    }
+    params.reduction = report_faithful_params(options.method);
+    params.training.shadows = report_faithful_training().shadows;
+  } else {
+    params.reduction.method = options.method;
+  }
   params.reduction.records = options.records;
   params.reduction.seed = common.seed;
+  params.training.seed = common.seed;
   return params;
 }
 

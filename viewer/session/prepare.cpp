@@ -6,6 +6,7 @@
 #include "core/samples/pack.h"
 #include "core/samples/sample_scene.h"
 #include "core/shade/shaders.h"
+#include "shadow/traced.h"
 
 namespace relume {
 namespace {
@@ -21,12 +22,39 @@ struct StageClock {
   std::atomic<uint64_t> samples{0};
 };
 
-PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& reduction, int index,
-                            StageClock& clock) {
+/// Training lights with what shadows them.
+struct Training {
+  TrainingSet set;
+  std::vector<std::unique_ptr<TracedVisibility>> shadows;  ///< per column, where there is one
+};
+
+/// Null for methods that need none.
+std::unique_ptr<const Training> make_training(const Scene& scene, const ViewSampler& view,
+                                              const ReductionParams& reduction,
+                                              const TrainingParams& params) {
+  if (!needs_training(reduction.method)) return nullptr;
+  const std::vector<Light> lights =
+      make_training_lights(scene.representative_low, scene.representative_high, params);
+  auto training = std::make_unique<Training>(
+      make_training_set(lights, view.types.types, view.rays.eye(), reduction.scene_radius));
+  if (!params.shadows) return training;
+  for (const Light& light : training->set.lights->lights) {
+    if (light.casts_shadow) {
+      training->shadows.push_back(std::make_unique<TracedVisibility>(*view.tracer));
+      training->shadows.back()->prepare(light);
+    }
+    training->set.visibility.push_back(light.casts_shadow ? training->shadows.back().get() : nullptr);
+  }
+  return training;
+}
+
+PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& reduction,
+                            const Training* training, int index, StageClock& clock) {
   const Timer timer;
   const SampleTile samples = sample_tile(view, index);
   const double sampled_ms = timer.ms();
-  const SampleTile records = reduce_tile(samples, view.types.types, reduction, view.width);
+  const SampleTile records = reduce_tile(samples, view.types.types, reduction, view.width,
+                                         training != nullptr ? &training->set : nullptr);
   const double reduced_ms = timer.ms();
   PackedTileData packed = pack_tile(records, view.types.types);
   clock.sample_us += static_cast<int64_t>(sampled_ms * 1e3);
@@ -69,6 +97,7 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
       scene, tracer, params.width > 0 ? params.width : scene.width,
       params.height > 0 ? params.height : scene.height, pure ? reduction.records : params.spp,
       reduction.seed);
+  const auto training = make_training(scene, view, reduction, params.training);
   const auto tiles = static_cast<size_t>(tile_count(view));
   Progress progress(callback, "prepare " + scene.name);
   StageClock clock;
@@ -78,7 +107,8 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
     batch.assign(count, {});
     parallel_for(count, 1, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        batch[i] = prepare_tile(view, reduction, static_cast<int>(first + i), clock);
+        batch[i] =
+            prepare_tile(view, reduction, training.get(), static_cast<int>(first + i), clock);
       }
     });
     for (const PackedTileData& tile : batch) {

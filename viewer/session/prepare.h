@@ -7,6 +7,7 @@
 #include "core/samples/relight_cache.h"
 #include "core/trace/tracer.h"
 #include "reduction/reduction.h"
+#include "reduction/training.h"
 
 namespace relume {
 
@@ -14,6 +15,7 @@ namespace relume {
 struct PrepareParams {
   int spp = 25;              ///< samples per pixel, [1, 1024]; method pure takes `records` instead
   ReductionParams reduction;
+  TrainingParams training;   ///< used by methods that need it
   int width = 0;             ///< pixels; 0 = the scene's
   int height = 0;            ///< pixels; 0 = the scene's
 };
