@@ -13,7 +13,6 @@
 namespace relume {
 
 inline constexpr int block_lanes = 16;  ///< pixels of a block; one SIMD lane is one pixel
-inline constexpr int max_sample_types = 64;
 
 /// Memory of a cache that was not read from a file, in aligned pieces.
 struct alignas(64) CacheChunk {

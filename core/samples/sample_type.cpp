@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/base/check.h"
+#include "core/base/error.h"
 
 namespace relume {
 namespace {
@@ -44,6 +45,10 @@ SampleTypes make_sample_types(const Scene& scene) {
     const auto found = std::find_if(result.types.begin(), result.types.end(), same);
     result.type_of_material.push_back(static_cast<uint16_t>(found - result.types.begin()));
     if (found != result.types.end()) continue;
+    if (result.types.size() == max_sample_types) {
+      throw limit_error(scene.name, fmt::format("needs more than {} sample types", max_sample_types),
+                        "use fewer different merge choices");
+    }
     result.types.push_back(type);
     const auto of_shader = std::count_if(
         result.types.begin(), result.types.end(),

@@ -8,6 +8,8 @@
 
 namespace relume {
 
+inline constexpr int max_sample_types = 64;  ///< of a scene
+
 /// A sample type: one shader's fields with the merge categories that an artist chose. Samples of
 /// different types are never merged, even when their widths agree (TR2007-600 sec. 2.1).
 struct SampleType {
@@ -22,6 +24,7 @@ struct SampleType {
 };
 
 /// The types that a scene's materials need, in order of first use, and each material's type.
+/// make_sample_types throws Error(limit) above max_sample_types.
 struct SampleTypes {
   std::vector<SampleType> types;
   std::vector<uint16_t> type_of_material;

@@ -30,8 +30,8 @@ void validate_light(const Light& light, const std::string& place) {
           "is not finite or above 1e15", "give three numbers; for a light that far, a directional one");
   require(is_finite(light.direction) && glm::length(dvec3(light.direction)) > 0, place, "direction",
           "is zero or not finite", "give three numbers, not all zero");
-  require(light.outer_angle_deg > 0 && light.outer_angle_deg <= 90, place, "outer_angle_deg",
-          "is not within (0, 90]", "give the half angle in degrees");
+  require(light.outer_angle_deg >= min_spot_angle_deg && light.outer_angle_deg <= 90, place,
+          "outer_angle_deg", "is not within [0.5, 90]", "give the half angle in degrees");
   require(light.inner_angle_deg >= 0 && light.inner_angle_deg <= light.outer_angle_deg, place,
           "inner_angle_deg", "is not within [0, outer_angle_deg]", "give the half angle in degrees");
   require(is_finite(light.color) && glm::all(glm::greaterThanEqual(light.color, vec3(0))) &&

@@ -17,6 +17,9 @@ inline constexpr std::array light_type_labels = {
     Label<LightType>{LightType::directional, "directional"},
 };
 
+/// Cones below half a degree are not resolved by single-precision cosines.
+inline constexpr float min_spot_angle_deg = 0.5f;
+
 /// One light. Geometry (type, position, direction, cone, falloff) decides a light's layer; gain,
 /// colour and mute only weigh it, so changing them never reshades (sec. "Lights" of the design).
 struct Light {
@@ -25,7 +28,8 @@ struct Light {
   vec3 position{0, 0, 0};     ///< world; point and spot
   vec3 direction{0, -1, 0};   ///< world, the way the light travels, any length > 0; spot, directional
   float inner_angle_deg = 20; ///< spot: half angle of the full-intensity cone, [0, outer]
-  float outer_angle_deg = 30; ///< spot: half angle where it reaches zero, (0, 90]
+  /// Spot: half angle where it reaches zero, [min_spot_angle_deg, 90].
+  float outer_angle_deg = 30;
   /// Inverse-square falloff: irradiance = color * gain / d^2. Off: irradiance = color * gain at any
   /// distance. Directional lights have none.
   bool falloff = true;

@@ -73,10 +73,10 @@ void cone_rows(UiState& ui, Light& light) {
     light.outer_angle_deg = std::max(light.outer_angle_deg, light.inner_angle_deg);
   }
   row_label("cone outer");
-  ImGui::SliderFloat("##outer", &light.outer_angle_deg, 0.1f, 90, "%.1f deg",
+  ImGui::SliderFloat("##outer", &light.outer_angle_deg, min_spot_angle_deg, 90, "%.1f deg",
                      ImGuiSliderFlags_AlwaysClamp);
   note_item(ui, "light.outer");
-  light.outer_angle_deg = std::max(light.outer_angle_deg, 0.1f);
+  light.outer_angle_deg = std::max(light.outer_angle_deg, min_spot_angle_deg);
   light.inner_angle_deg = std::min(light.inner_angle_deg, light.outer_angle_deg);
 }
 

@@ -52,7 +52,7 @@ Light read_light(const JsonNode& node, const std::optional<SceneFrame>& frame) {
   node.read("type", light.type, light_type_labels);
   if (const auto position = node.find("position")) light.position = read_position(*position, frame);
   read_direction(node, frame, light);
-  node.read("outer_angle_deg", light.outer_angle_deg, 0, 90);
+  node.read("outer_angle_deg", light.outer_angle_deg, min_spot_angle_deg, 90);
   light.inner_angle_deg = std::min(light.inner_angle_deg, light.outer_angle_deg);
   node.read("inner_angle_deg", light.inner_angle_deg, 0, 90);
   node.read("falloff", light.falloff);

@@ -119,14 +119,13 @@ TEST(LightMetric4Representatives, StartWithTheClosestAndBreakTiesDownwards) {
 }
 
 TEST(LightMetric4Representatives, BalanceWhatLightMetric1DoesNot) {
-  // One channel, one light: 3 rows at 0.4 and one at 1.0, mean 0.55. The second pick must bring the
-  // mean up to the pixel's.
-  const Pixel pixel{{0.4f, 0.4f, 0.4f, 1.0f}, {0.55f}, 4};
+  // One value a sample: three at 0.4, one at 1, and the pixel at 0.6. After 0.4 the mean with 1 is
+  // closer than 0.4 again, then the mean of 0.4, 1 and 0.4 is exact.
+  const Pixel pixel{{0.4f, 0.4f, 0.4f, 1.0f}, {0.6f}, 4};
   std::vector<float> errors;
   eval_errors(pixel.v(), pixel.target.data(), errors);
-  EXPECT_EQ(closest_rows(errors, 2), (std::vector<int>{0, 1}));
-  EXPECT_EQ(greedy_rows(pixel.v(), pixel.target.data(), 2), (std::vector<int>{0, 1}));
-  EXPECT_EQ(greedy_rows(pixel.v(), pixel.target.data(), 3), (std::vector<int>{0, 1, 3}));
+  EXPECT_EQ(closest_rows(errors, 3), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(greedy_rows(pixel.v(), pixel.target.data(), 3), (std::vector<int>{0, 3, 1}));
 }
 
 TEST(ShaderGroups, SplitByAngleAndByDistance) {
