@@ -83,7 +83,8 @@ TEST(LightMetric1Representatives, AreTheClosestRowsBestFirst) {
     const std::set<int> set(chosen.begin(), chosen.end());
     ASSERT_EQ(set.size(), 8u);
     for (int row = 0; row < 25; ++row) {
-      if (set.count(row) == 0) ASSERT_GE(errors[row], errors[chosen.back()]);
+      if (set.count(row) > 0) continue;
+      ASSERT_GE(errors[row], errors[chosen.back()]);
     }
   }
 }

@@ -1,0 +1,207 @@
+// The program as a user runs it: exit codes, one-line errors, files written.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/image/image_io.h"
+#include "core/image/metrics.h"
+#include "tests/support/temporary_folder.h"
+
+namespace relume::test {
+namespace {
+
+struct Outcome {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// Runs `relume ARGUMENTS` in a shell, in `folder`.
+Outcome run_relume(const TemporaryFolder& folder, const std::string& arguments) {
+  const std::string out = folder.file("stdout.txt").string();
+  const std::string err = folder.file("stderr.txt").string();
+  const std::string command = "cd '" + folder.path().string() + "' && '" + RELUME_PROGRAM + "' " +
+                              arguments + " >'" + out + "' 2>'" + err + "'";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_all(out), read_all(err)};
+}
+
+/// One figure of the program's "name value" lines.
+double figure(const Outcome& outcome, const std::string& name) {
+  const size_t at = ("\n" + outcome.out).find("\n" + name + " ");
+  if (at == std::string::npos) {
+    ADD_FAILURE() << "no " << name << " in: " << outcome.out;
+    return 0;
+  }
+  return std::stod(outcome.out.substr(at + name.size()));
+}
+
+void expect_one_line_error(const Outcome& outcome, int exit_code, const std::string& part) {
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+}
+
+/// A scene of one file, next to it.
+std::string scene_with(const std::string& geometry, const std::string& material) {
+  return R"({"name": "t", "image": {"width": 32, "height": 32},
+    "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "fov_y_deg": 40},
+    "materials": [)" + material + R"(], "geometry": [)" + geometry + R"(],
+    "lights": [{"name": "key", "type": "point", "position": [1, 2, 3], "gain": 20}]})";
+}
+
+const char* const plain_material = R"({"name": "grey", "shader": "lambert"})";
+const char* const small = "-q --width 48 --height 48 --spp 9 ";
+
+TEST(Program, RefusesUnknownCommandsWithTwo) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_relume(folder, "frobnicate").exit_code, 2);
+  EXPECT_EQ(run_relume(folder, "render hair").exit_code, 2);
+  EXPECT_EQ(run_relume(folder, "render hair -o x.exr --method nonsense").exit_code, 2);
+  EXPECT_EQ(run_relume(folder, "--help").exit_code, 0);
+}
+
+TEST(Program, NamesFileAndFieldOfABadScene) {
+  const TemporaryFolder folder;
+  write_all(folder.file("bad.json"),
+            scene_with(R"({"generator": "sphere", "radius": -1, "material": "grey"})", plain_material));
+  expect_one_line_error(run_relume(folder, "render bad.json -q -o f.exr"), 3, "/geometry/0/radius");
+  write_all(folder.file("cut.json"), R"({"name": "t", "image": {"width")");
+  expect_one_line_error(run_relume(folder, "render cut.json -q -o f.exr"), 3, "cut.json");
+  expect_one_line_error(run_relume(folder, "render absent.json -q -o f.exr"), 3, "absent.json");
+  EXPECT_FALSE(std::filesystem::exists(folder.file("f.exr")));
+}
+
+TEST(Program, RefusesATruncatedObj) {
+  const TemporaryFolder folder;
+  write_all(folder.file("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2");
+  write_all(folder.file("s.json"), scene_with(R"({"file": "t.obj", "material": "grey"})", plain_material));
+  expect_one_line_error(run_relume(folder, "render s.json -q -o f.exr"), 3, "t.obj");
+}
+
+TEST(Program, RefusesATruncatedHairFile) {
+  const TemporaryFolder folder;
+  std::string header(128, '\0');
+  header.replace(0, 4, "HAIR");
+  header[4] = 9;   // strands that the file does not hold
+  header[8] = 90;  // points
+  header[12] = 2;  // arrays: points
+  write_all(folder.file("t.hair"), header + "short");
+  write_all(folder.file("s.json"),
+            scene_with(R"({"file": "t.hair", "material": "h"})",
+                       R"({"name": "h", "shader": "kajiya-kay"})"));
+  expect_one_line_error(run_relume(folder, "render s.json -q -o f.exr"), 3, "t.hair");
+}
+
+TEST(Program, RefusesATruncatedTexture) {
+  const TemporaryFolder folder;
+  DisplayImage image{64, 64, 3, std::vector<uint8_t>(64 * 64 * 3, 100)};
+  for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<uint8_t>(i * 37);
+  write_png(folder.file("t.png"), image);
+  const std::string whole = read_all(folder.file("t.png"));
+  write_all(folder.file("t.png"), whole.substr(0, whole.size() / 2));
+  write_all(folder.file("s.json"),
+            scene_with(R"({"generator": "sphere", "material": "grey"})",
+                       R"({"name": "grey", "shader": "lambert", "diffuse": {"texture": "t.png"}})"));
+  expect_one_line_error(run_relume(folder, "render s.json -q -o f.exr"), 3, "t.png");
+}
+
+TEST(Program, RefusesATruncatedCache) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_relume(folder, std::string("prepare spheres -o c.relume ") + small).exit_code, 0);
+  const std::string whole = read_all(folder.file("c.relume"));
+  write_all(folder.file("c.relume"), whole.substr(0, whole.size() - 7));
+  expect_one_line_error(run_relume(folder, "render c.relume -q -o f.exr"), 3, "c.relume");
+}
+
+TEST(Program, ReportsAnUnwritableOutputWithFive) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_relume(folder, std::string("render spheres -o absent/f.exr ") + small);
+  expect_one_line_error(outcome, 5, "absent/f.exr");
+}
+
+TEST(Program, RendersTheSameFromSceneAndCacheForAnyThreadCount) {
+  const TemporaryFolder folder;
+  const std::string options = small;
+  ASSERT_EQ(run_relume(folder, "prepare hair -o c.relume " + options).exit_code, 0);
+  ASSERT_EQ(run_relume(folder, "render c.relume -q -o cache.exr --threads 1").exit_code, 0);
+  ASSERT_EQ(run_relume(folder, "render hair -o scene.exr --threads 3 " + options).exit_code, 0);
+  EXPECT_EQ(read_image(folder.file("cache.exr")).pixels, read_image(folder.file("scene.exr")).pixels);
+}
+
+TEST(Program, ComparesKmeansWithAllSamples) {
+  const TemporaryFolder folder;
+  const std::string size = "-q --width 64 --height 64 ";
+  ASSERT_EQ(run_relume(folder, "render hair --reference -o all.exr " + size).exit_code, 0);
+  ASSERT_EQ(run_relume(folder, "render hair --method kmeans -o k8.exr " + size).exit_code, 0);
+  const Outcome same = run_relume(folder, "compare all.exr all.exr --fail 0");
+  EXPECT_EQ(same.exit_code, 0);
+  EXPECT_EQ(figure(same, "error_image"), 0);
+  const Outcome reduced = run_relume(folder, "compare k8.exr all.exr --heatmap h.png --fail 1e-9");
+  EXPECT_EQ(reduced.exit_code, 1);
+  EXPECT_GT(figure(reduced, "error_image"), 0);
+  EXPECT_LT(figure(reduced, "error"), 0.5 * figure(reduced, "reference_mean"));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("h.png")));
+}
+
+TEST(Program, LightLayersSumToBeauty) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_relume(folder, std::string("render hair -o f.exr ") + small).exit_code, 0);
+  const Image beauty = read_image(folder.file("f.exr"));
+  const Image key = read_exr_layer(folder.file("f.exr"), "light.key.");
+  const Image rim = read_exr_layer(folder.file("f.exr"), "light.rim.");
+  for (size_t i = 0; i < beauty.pixels.size(); ++i) {
+    ASSERT_NEAR(beauty.pixels[i], key.pixels[i] + rim.pixels[i], 1e-6 + 1e-6 * beauty.pixels[i]);
+  }
+}
+
+TEST(Program, DemoWritesItsPicturesWithoutADisplay) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_relume(folder, std::string("demo --offscreen out ") + small);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* name : {"frame.png", "frame.exr", "reference.png", "heatmap.png", "before.png",
+                           "after.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.file("out") / name)) << name;
+  }
+  EXPECT_NE(read_all(folder.file("out") / "before.png"), read_all(folder.file("out") / "after.png"));
+}
+
+/// Golden pictures: 64 x 64, 9 spp, 4 records, traced shadows, scalar kernels. Embree's own code differs
+/// between processors, so a hit at an edge may fall on either side: the thresholds say how many may.
+class Golden : public testing::TestWithParam<const char*> {};
+
+TEST_P(Golden, FrameLooksAsItDid) {
+  const TemporaryFolder folder;
+  const std::string scene = GetParam();
+  const std::filesystem::path golden =
+      std::filesystem::path(RELUME_SOURCE_DIR) / "tests/golden" / (scene + ".exr");
+  const Outcome outcome =
+      run_relume(folder, "render " + scene +
+                             " -q --width 64 --height 64 --spp 9 --records 4 --isa scalar -o f.exr");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  if (std::getenv("RELUME_UPDATE_GOLDEN") != nullptr) {
+    std::filesystem::create_directories(golden.parent_path());
+    std::filesystem::copy_file(folder.file("f.exr"), golden,
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  const Image reference = read_image(golden);
+  const Image frame = read_image(folder.file("f.exr"));
+  const ImageError error = compare_images(frame, reference);
+  EXPECT_LT(error.error_covered, 0.01 * error.reference_mean);
+  const Image difference = error_image(frame, reference);
+  const auto wrong = std::count_if(
+      difference.pixels.begin(), difference.pixels.end(),
+      [&](float d) { return d > 0.1 * error.reference_mean; });
+  EXPECT_LT(wrong, 0.02 * static_cast<double>(difference.pixels.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(BuiltinScenes, Golden, testing::Values("hair", "plants", "spheres"),
+                         [](const auto& scene) { return std::string(scene.param); });
+
+}  // namespace
+}  // namespace relume::test
