@@ -9,6 +9,7 @@
 #include "reduction/methods/cmeans.h"
 #include "reduction/methods/kmeans.h"
 #include "reduction/methods/kmedoids.h"
+#include "reduction/methods/light_fit_reducer.h"
 #include "reduction/methods/light_metric.h"
 
 namespace relume {
@@ -51,7 +52,16 @@ class PixelReducer {
   PixelReducer(std::span<const SampleType> types, const ReductionParams& params,
                const TrainingSet* training)
       : types_(types), params_(params) {
-    if (training != nullptr) light_metric_.emplace(*training);
+    if (training == nullptr) return;
+    if (needs_validation(params.method)) {
+      LightFitParams fit;
+      fit.records = params.records;
+      fit.restarts = params.restarts;
+      fit.joint = params.method == ReductionMethod::light_fit;
+      light_fit_.emplace(*training, fit);
+    } else {
+      light_metric_.emplace(*training);
+    }
   }
 
   /// Appends the records of pixel `index` of the tile, which is number `pixel` of the image.
@@ -68,11 +78,17 @@ class PixelReducer {
     if (clustered == 0) return;
     const double coverage = pixel_weight(samples, index);
     const auto weight = static_cast<float>(coverage / clustered);
+    const int total = std::accumulate(counts.begin(), counts.end(), 0);
+    const auto weight_of_all = static_cast<float>(coverage / total);
     if (light_metric_ && allocation != counts) {
-      const int total = std::accumulate(counts.begin(), counts.end(), 0);
-      light_metric_->prepare(params_.method, matrices, static_cast<float>(coverage / total));
+      light_metric_->prepare(params_.method, matrices, weight_of_all);
     }
     Random random = make_random(params_.seed, pixel, 0);
+    if (light_fit_ && allocation != counts) {
+      make_guard(matrices, allocation, weight, random);
+      light_fit_->reduce(matrices, weight_of_all, guard_, random, records);
+      return;
+    }
     for (size_t t = 0; t < counts.size(); ++t) {
       if (allocation[t] == 0) continue;
       if (allocation[t] == counts[t]) {
@@ -89,6 +105,20 @@ class PixelReducer {
   }
 
  private:
+  /// Strong k-means' records, for Light-Fit to beat.
+  void make_guard(std::span<const SampleMatrix> matrices, std::span<const int> allocation,
+                  float weight, Random& random) {
+    guard_.assign(matrices.size(), {});
+    for (size_t t = 0; t < matrices.size(); ++t) {
+      if (allocation[t] == 0) continue;
+      if (allocation[t] == matrices[t].rows) {
+        copy_rows(matrices[t], weight, guard_[t]);
+      } else {
+        merge(matrices[t], allocation[t], weight, random, guard_[t]);
+      }
+    }
+  }
+
   /// Clusters one type's samples into at most k records, 1 <= k < rows, and appends them.
   void merge(const SampleMatrix& samples, int k, float weight, Random& random, TypedRows& out) {
     if (params_.method == ReductionMethod::kmeans) {
@@ -101,6 +131,8 @@ class PixelReducer {
     make_scaled_features(samples, params_.scene_radius, features_);
     switch (params_.method) {
       case ReductionMethod::strong_kmeans:
+      case ReductionMethod::light_fit_fast:
+      case ReductionMethod::light_fit:
         merge_clusters(samples,
                        strong_kmeans(features_, k, params_.restarts, params_.max_iterations, random),
                        weight, out);
@@ -121,6 +153,8 @@ class PixelReducer {
   std::span<const SampleType> types_;
   const ReductionParams& params_;
   std::optional<LightMetric> light_metric_;
+  std::optional<LightFitReducer> light_fit_;
+  std::vector<TypedRows> guard_;
   Features features_;
   std::vector<int> first_k_;
 };
@@ -142,9 +176,15 @@ bool needs_training(ReductionMethod method) {
     case ReductionMethod::light_metric_4:
     case ReductionMethod::light_metric_5:
     case ReductionMethod::light_metric_6:
+    case ReductionMethod::light_fit_fast:
+    case ReductionMethod::light_fit:
       return true;
   }
   return false;
+}
+
+bool needs_validation(ReductionMethod method) {
+  return method == ReductionMethod::light_fit_fast || method == ReductionMethod::light_fit;
 }
 
 bool is_report_method(ReductionMethod method) {
@@ -153,6 +193,8 @@ bool is_report_method(ReductionMethod method) {
     case ReductionMethod::strong_kmeans:
     case ReductionMethod::kmedoids:
     case ReductionMethod::cmeans:
+    case ReductionMethod::light_fit_fast:
+    case ReductionMethod::light_fit:
       return false;
     case ReductionMethod::pure:
     case ReductionMethod::kmeans:

@@ -21,6 +21,8 @@ enum class ReductionMethod {
   light_metric_4,  ///< the samples whose running mean is closest to the pixel, sec. 3.5, eq. 6
   light_metric_5,  ///< k-means on the samples' values under the training lights, sec. 3.6
   light_metric_6,  ///< k-means' clusters with the representatives of eq. 4, sec. 3.7
+  light_fit_fast,  ///< ours: one record fitted to each cluster of responses
+  light_fit,       ///< the same, then all records of the pixel polished together on eq. 2
 };
 
 inline constexpr std::array reduction_method_labels = {
@@ -36,10 +38,16 @@ inline constexpr std::array reduction_method_labels = {
     Label<ReductionMethod>{ReductionMethod::light_metric_4, "light-metric-4"},
     Label<ReductionMethod>{ReductionMethod::light_metric_5, "light-metric-5"},
     Label<ReductionMethod>{ReductionMethod::light_metric_6, "light-metric-6"},
+    Label<ReductionMethod>{ReductionMethod::light_fit_fast, "light-fit-fast"},
+    Label<ReductionMethod>{ReductionMethod::light_fit, "light-fit"},
 };
 
 /// True for methods that look at samples under training lights: reduce_tile needs a TrainingSet.
 bool needs_training(ReductionMethod method);
+
+/// True for Light-Fit, which takes evenly spread lights (make_mixed_training_lights) and a validation
+/// set beside them.
+bool needs_validation(ReductionMethod method);
 
 /// True for the methods that TR2007-600 measures: PURE, K-means and Light Metric 1 to 6.
 bool is_report_method(ReductionMethod method);

@@ -150,7 +150,7 @@ TrainingSet make_training_set(std::span<const Light> lights, std::span<const Sam
   CHECK(!lights.empty());
   auto set = std::make_unique<const LightSet>(make_light_set(lights, scene_radius));
   LobeEvaluator evaluator(types, *set, eye);
-  return {std::move(set), std::move(evaluator), {}};
+  return {std::move(set), std::move(evaluator), {}, nullptr};
 }
 
 void evaluate_training(const TrainingSet& training, std::span<const SampleMatrix> matrices,

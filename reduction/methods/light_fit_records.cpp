@@ -13,6 +13,7 @@ namespace {
 constexpr int geometry_count = lobe_derivatives;  // direction (2) and ln scalar (1)
 constexpr float largest_turn = 0.5f;              // per step, radians
 constexpr float largest_log_step = 1.0f;
+constexpr double exact_fit = 1e-8;  // squared, relative: below this rounding would steer the fit
 
 vec3 direction_of(const FitRecord& record, int offset) {
   return {record.vector[offset], record.vector[offset + 1], record.vector[offset + 2]};
@@ -262,9 +263,13 @@ void RecordFitter::fit(std::vector<FitRecord>& records, const std::vector<float>
     }
   }
   current.cost = objective(records, current);
+  float target_squares = 0;
+  dot_products(targets.data(), 1, 0, targets.data(), 1, 0, static_cast<int>(targets.size()),
+               &target_squares, 1);
+  const double good_enough = exact_fit * target_squares;
   Responses trial;
   double damping = 1e-3;
-  for (int i = 0; i < steps; ++i) {
+  for (int i = 0; i < steps && current.cost > good_enough; ++i) {
     build_system(records, current);
     if (!solve(records, damping)) {
       damping *= 100;

@@ -30,7 +30,8 @@ struct Setting {
   }
 
   SampleTile reduce(const SampleTile& tile, ReductionMethod method, int k) const {
-    const TrainingSet training = make_training_set(lights, types, eye, radius);
+    TrainingSet training = make_training_set(lights, types, eye, radius);
+    training.validation = std::make_unique<TrainingSet>(make_training_set(lights, types, eye, radius));
     ReductionParams params;
     params.method = method;
     params.records = k;
