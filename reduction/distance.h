@@ -2,8 +2,8 @@
 
 namespace relume {
 
-/// The squared Euclidean distance of two rows of `count` floats. Sixteen partial sums, then the rest,
-/// in a fixed order: the compiler vectorises it and the result is the same on every machine.
+/// The squared Euclidean distance of two rows of `count` floats. Sixteen partial sums, then the
+/// rest, in a fixed order: the compiler vectorises it and the result is the same on every machine.
 inline float squared_distance(const float* a, const float* b, int count) {
   constexpr int lanes = 16;
   float partial[lanes] = {};

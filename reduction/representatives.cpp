@@ -16,7 +16,7 @@ struct ShaderGroup {
 };
 
 bool belongs(dvec3 color, dvec3 group) {
-  static const double cos_limit = std::sqrt(3.0) / 2;       // 30 degrees
+  static const double cos_limit = std::sqrt(3.0) / 2;  // 30 degrees
   static const double distance_limit = std::sqrt(3.0) / 5;
   const double lengths = glm::length(color) * glm::length(group);
   const bool both_black = color == dvec3(0) && group == dvec3(0);
@@ -24,7 +24,8 @@ bool belongs(dvec3 color, dvec3 group) {
   return same_direction && glm::distance(color, group) < distance_limit;
 }
 
-/// The squared distance of (sum + row) * scale from target, in the partial sums of squared_distance.
+/// The squared distance of (sum + row) * scale from target, in the partial sums of
+/// squared_distance.
 float mean_distance(const float* sum, const float* row, float scale, const float* target,
                     int length) {
   constexpr int lanes = 16;

@@ -15,9 +15,9 @@ struct Run {
   int rows;
   std::vector<float> distances;  ///< rows x rows, squared
   std::vector<int> medoids;
-  std::vector<int> nearest;      ///< per row, index into medoids
-  std::vector<float> first;      ///< per row, distance to the nearest medoid
-  std::vector<float> second;     ///< and to the second nearest
+  std::vector<int> nearest;   ///< per row, index into medoids
+  std::vector<float> first;   ///< per row, distance to the nearest medoid
+  std::vector<float> second;  ///< and to the second nearest
 
   const float* distances_of(int row) const { return &distances[static_cast<size_t>(row) * rows]; }
 };

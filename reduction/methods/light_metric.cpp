@@ -81,8 +81,7 @@ void LightMetric::find_white_values(float weight_per_sample) {
   // of the light's colour, has the same squares.
   std::vector<float> norms(columns);
   for (int j = 0; j < columns; ++j) {
-    norms[j] = static_cast<float>(
-        glm::length(dvec3(weights[0][j], weights[1][j], weights[2][j])));
+    norms[j] = static_cast<float>(glm::length(dvec3(weights[0][j], weights[1][j], weights[2][j])));
   }
   white_.resize(matrices_.size());
   float most = 0;

@@ -7,21 +7,20 @@
 
 namespace relume {
 
-/// TR2007-600's Light Metrics 1 to 6, one pixel at a time: prepare() for the pixel, then cluster() for
-/// each of its types. Buffers are kept between pixels; one object a thread.
+/// TR2007-600's Light Metrics 1 to 6, one pixel at a time: prepare() for the pixel, then cluster()
+/// for each of its types. Buffers are kept between pixels; one object a thread.
 ///
 /// | method | representatives | clusters |
 /// | --- | --- | --- |
 /// | 1 | least eq. 4 | nearest representative, raw fields |
 /// | 2 | least eq. 4 within shader groups drawn by eq. 5 | the same |
-/// | 3 | as 2; then each cluster's member of least eq. 4 as a white Lambert without shadows | as 2 |
-/// | 4 | greedy eq. 6 | as 1 |
-/// | 5 | nearest the centroid | k-means on rows of V |
-/// | 6 | each cluster's member of least eq. 4 | k-means on raw fields |
+/// | 3 | as 2; then each cluster's member of least eq. 4 as a white Lambert without shadows | as 2
+/// | | 4 | greedy eq. 6 | as 1 | | 5 | nearest the centroid | k-means on rows of V | | 6 | each
+/// cluster's member of least eq. 4 | k-means on raw fields |
 ///
-/// White Lambert, for any shader: its first lobe, which is the diffuse one, with colour 1; on strands
-/// that is Kajiya and Kay's, on leaves the reflecting side. K-means means the report's, from the first
-/// k samples.
+/// White Lambert, for any shader: its first lobe, which is the diffuse one, with colour 1; on
+/// strands that is Kajiya and Kay's, on leaves the reflecting side. K-means means the report's,
+/// from the first k samples.
 class LightMetric {
  public:
   explicit LightMetric(const TrainingSet& training) : training_(training) {}

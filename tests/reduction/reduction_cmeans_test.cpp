@@ -1,11 +1,10 @@
-#include "reduction/methods/cmeans.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/shade/shader_list.h"
 #include "reduction/merge.h"
+#include "reduction/methods/cmeans.h"
 #include "reduction/methods/kmeans.h"
 #include "tests/support/records.h"
 
@@ -122,9 +121,8 @@ TEST(Cmeans, RepresentativesAreOfTheHardCut) {
   for (uint64_t seed = 0; seed < 20; ++seed) {
     const FuzzyClustering clustering = run(random_features(25, 5, seed), 6);
     for (int c = 0; c < clustering.count(); ++c) {
-      const float* u =
-          &clustering.memberships[static_cast<size_t>(clustering.representatives[c]) *
-                                  clustering.count()];
+      const float* u = &clustering.memberships[static_cast<size_t>(clustering.representatives[c]) *
+                                               clustering.count()];
       EXPECT_EQ(std::max_element(u, u + clustering.count()) - u, c);
     }
   }
@@ -148,9 +146,11 @@ TEST(MergeFuzzy, WeightsAndMeansFollowTheMemberships) {
   }
   for (int i = 0; i < 3; ++i) {
     const int at = 7 + i;
-    EXPECT_FLOAT_EQ(out.values[at], (0.75f * samples.row(0)[at] + 0.5f * samples.row(1)[at]) / 1.25f);
+    EXPECT_FLOAT_EQ(out.values[at],
+                    (0.75f * samples.row(0)[at] + 0.5f * samples.row(1)[at]) / 1.25f);
     // The pixel's mean colour is kept exactly: weights times means sum to the samples' sum.
-    const double kept = out.weights[0] * out.values[at] + out.weights[1] * out.values[type.width + at];
+    const double kept =
+        out.weights[0] * out.values[at] + out.weights[1] * out.values[type.width + at];
     EXPECT_NEAR(kept, 0.2 * (samples.row(0)[at] + samples.row(1)[at] + samples.row(2)[at]), 1e-6);
   }
 }

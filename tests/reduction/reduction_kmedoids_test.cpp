@@ -1,5 +1,3 @@
-#include "reduction/methods/kmedoids.h"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -7,6 +5,7 @@
 
 #include "core/base/random.h"
 #include "reduction/methods/kmeans.h"
+#include "reduction/methods/kmedoids.h"
 
 namespace relume {
 namespace {

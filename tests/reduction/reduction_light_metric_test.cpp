@@ -1,5 +1,3 @@
-#include "reduction/methods/light_metric.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "core/shade/reference.h"
 #include "core/shade/shader_list.h"
 #include "reduction/methods/kmeans.h"
+#include "reduction/methods/light_metric.h"
 #include "tests/support/records.h"
 
 namespace relume {
@@ -36,8 +35,8 @@ struct Pixel {
   std::vector<SampleMatrix> matrices() const {
     std::vector<SampleMatrix> result;
     for (size_t t = 0; t < types.size(); ++t) {
-      result.push_back({&types[t], values[t].data(),
-                        static_cast<int>(values[t].size()) / types[t].width});
+      result.push_back(
+          {&types[t], values[t].data(), static_cast<int>(values[t].size()) / types[t].width});
     }
     return result;
   }
@@ -82,9 +81,11 @@ Pixel mixed_pixel(uint64_t seed) {
   Random random(seed, RandomStream::tests, 0);
   for (size_t t = 0; t < 2; ++t) {
     pixel.values.emplace_back();
-    for (size_t i = 0; i < 9 - t; ++i) append_random_vector(pixel.types[t], random, pixel.values[t]);
+    for (size_t i = 0; i < 9 - t; ++i)
+      append_random_vector(pixel.types[t], random, pixel.values[t]);
     // Exponents of everyday size, so that float and double agree on close calls.
-    for (size_t i = 13; i < pixel.values[t].size(); i += 14) pixel.values[t][i] = random.uniform(1, 50);
+    for (size_t i = 13; i < pixel.values[t].size(); i += 14)
+      pixel.values[t][i] = random.uniform(1, 50);
   }
   return pixel;
 }
@@ -200,7 +201,8 @@ TEST(LightMetric2, IsAFunctionOfTheSeed) {
   EXPECT_GT(outcomes.size(), 1u);
 }
 
-/// Values of the first lobe with a white colour, from the reference shader: a white Lambert surface.
+/// Values of the first lobe with a white colour, from the reference shader: a white Lambert
+/// surface.
 Pixel painted_white(Pixel pixel) {
   for (size_t t = 0; t < pixel.types.size(); ++t) {
     const auto width = static_cast<size_t>(pixel.types[t].width);

@@ -1,5 +1,3 @@
-#include "reduction/representatives.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <set>
 
 #include "core/math/vec.h"
+#include "reduction/representatives.h"
 
 namespace relume {
 namespace {
@@ -140,8 +139,10 @@ TEST(ShaderGroups, ThresholdsAreThirtyDegreesAndRootThreeFifths) {
     const double angle = degrees * 3.14159265358979323846 / 180;
     return vec3(0.1 * std::cos(angle), 0.1 * std::sin(angle), 0);
   };
-  EXPECT_EQ(make_shader_groups(std::vector<vec3>{turned(0), turned(29.9)}), (std::vector<int>{0, 0}));
-  EXPECT_EQ(make_shader_groups(std::vector<vec3>{turned(0), turned(30.1)}), (std::vector<int>{0, 1}));
+  EXPECT_EQ(make_shader_groups(std::vector<vec3>{turned(0), turned(29.9)}),
+            (std::vector<int>{0, 0}));
+  EXPECT_EQ(make_shader_groups(std::vector<vec3>{turned(0), turned(30.1)}),
+            (std::vector<int>{0, 1}));
   const float limit = std::sqrt(3.0f) / 5;
   const vec3 start(0.5f, 0, 0);
   EXPECT_EQ(make_shader_groups(std::vector<vec3>{start, {0.5f + 0.999f * limit, 0, 0}}),
@@ -190,7 +191,8 @@ TEST(LightMetric2Representatives, GiveSixBlueAndTwoRedThreeToOne) {
     for (const int row : draw_from_groups(six_and_two, errors, 4, random)) red += six_and_two[row];
     ++histogram[red];
   }
-  // Four draws at 3/4 and 1/4, at most two red ones: expected 4/4 (81 * 0 + 108 * 1 + 67 * 2) / 256.
+  // Four draws at 3/4 and 1/4, at most two red ones: expected 4/4 (81 * 0 + 108 * 1 + 67 * 2) /
+  // 256.
   const double mean = (histogram[1] + 2.0 * histogram[2]) / trials;
   EXPECT_NEAR(mean, 242.0 / 256, 0.04);
   EXPECT_NEAR(histogram[0] / double{trials}, 81.0 / 256, 0.03);

@@ -1,11 +1,10 @@
-#include "reduction/training.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "core/shade/reference.h"
 #include "core/shade/shader_list.h"
+#include "reduction/training.h"
 #include "tests/support/records.h"
 
 namespace relume {
@@ -171,7 +170,8 @@ struct Pixel {
         rows_of_type[i] = random.uniform(1, 50);
       }
     }
-    for (size_t t = 0; t < types.size(); ++t) matrices.push_back({&types[t], values[t].data(), rows});
+    for (size_t t = 0; t < types.size(); ++t)
+      matrices.push_back({&types[t], values[t].data(), rows});
   }
 };
 
@@ -202,15 +202,15 @@ TEST(EvaluateTraining, GivesTheReferencesValuesAndTheirMean) {
         const dvec3 expected =
             reference_response(pixel.types[t], pixel.matrices[t].row(row), light, eye, 1);
         for (int c = 0; c < 3; ++c) {
-          const double value =
-              expected[static_cast<size_t>(c)] * training.lights->weights[c][j];
+          const double value = expected[static_cast<size_t>(c)] * training.lights->weights[c][j];
           ASSERT_NEAR(responses.v[t][(row * 3 + c) * columns + j], value, 2e-4 * (1 + value));
           target[c * columns + j] += value / 25;
         }
       }
     }
   }
-  for (int i = 0; i < 3 * columns; ++i) ASSERT_NEAR(responses.target[i], target[i], 1e-3 * (1 + target[i]));
+  for (int i = 0; i < 3 * columns; ++i)
+    ASSERT_NEAR(responses.target[i], target[i], 1e-3 * (1 + target[i]));
 }
 
 /// Sees exactly the receivers whose x is below a limit, and checks what it is asked.
