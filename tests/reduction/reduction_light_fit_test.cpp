@@ -1,0 +1,171 @@
+#include "reduction/methods/light_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/shade/shaders.h"
+#include "reduction/methods/cholesky.h"
+#include "reduction/methods/light_fit_clusters.h"
+#include "reduction/training.h"
+
+namespace relume::test {
+namespace {
+
+constexpr vec3 eye(0, 0, 6);
+
+/// A pixel of Phong and Lambert samples about two surfaces.
+struct Pixel {
+  std::vector<SampleType> types;
+  std::vector<std::vector<float>> values;  ///< per type
+  std::vector<SampleMatrix> matrices;
+
+  explicit Pixel(int n, uint64_t seed) {
+    for (const ShaderInfo* shader : shader_table()) types.push_back(make_sample_type(*shader));
+    values.resize(types.size());
+    Random random(seed, RandomStream::tests, 0);
+    for (int i = 0; i < n; ++i) {
+      const size_t t = i % 3 == 0 ? 0 : 1;  // lambert, phong
+      std::vector<float> v(types[t].width);
+      for (float& x : v) x = random.uniform(0.05f, 0.5f);
+      const float x = random.uniform(-0.4f, 0.4f) + (i % 2 == 0 ? 0.5f : -0.5f);
+      const vec3 normal = normalize_or(vec3(x, random.uniform(-0.4f, 0.4f), 1), vec3(0, 0, 1));
+      for (int axis = 0; axis < 3; ++axis) v[4 + axis] = normal[axis];
+      if (t == 1) v[13] = random.uniform(5, 30);
+      values[t].insert(values[t].end(), v.begin(), v.end());
+    }
+    for (size_t t = 0; t < types.size(); ++t) {
+      matrices.push_back({&types[t], values[t].data(),
+                          static_cast<int>(values[t].size()) / types[t].width});
+    }
+  }
+};
+
+TrainingSet make_lights(const Pixel& pixel, uint64_t seed) {
+  Light low;
+  low.position = vec3(-4, -4, 1);
+  low.gain = 20;
+  Light high = low;
+  high.position = vec3(4, 4, 5);
+  Bounds scene;
+  scene.extend(vec3(-1));
+  scene.extend(vec3(1));
+  return make_training_set(make_mixed_training_lights(low, high, scene, 64, seed), pixel.types, eye, 1);
+}
+
+std::vector<FittedRecord> run_fit(const Pixel& pixel, const TrainingSet& training, int n, int k,
+                                  bool joint) {
+  PixelResponses responses;
+  const float weight = 1.0f / static_cast<float>(n);
+  evaluate_responses(training.evaluator, pixel.matrices, weight, responses);
+  LightFitParams params;
+  params.records = k;
+  params.joint = joint;
+  Random random(1, RandomStream::tests, 1);
+  return light_fit(training.evaluator, pixel.matrices, weight, responses, params, random);
+}
+
+/// Eq. 2 on the lights of `training` themselves.
+double error_under(const Pixel& pixel, const TrainingSet& training,
+                   const std::vector<FittedRecord>& records, int n) {
+  PixelResponses responses;
+  evaluate_responses(training.evaluator, pixel.matrices, 1.0f / static_cast<float>(n), responses);
+  return response_error(training.evaluator, records, responses.target);
+}
+
+TEST(LightFit, JointPolishLowersTheTrainingError) {
+  double fast = 0;
+  double full = 0;
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    const Pixel pixel(25, seed);
+    const TrainingSet training = make_lights(pixel, 0);
+    fast += error_under(pixel, training, run_fit(pixel, training, 25, 3, false), 25);
+    full += error_under(pixel, training, run_fit(pixel, training, 25, 3, true), 25);
+  }
+  EXPECT_LT(full, 0.8 * fast);
+}
+
+TEST(LightFit, MoreRecordsLowerTheErrorOnHeldOutLights) {
+  double previous = std::numeric_limits<double>::infinity();
+  for (const int k : {1, 2, 4, 8}) {
+    double error = 0;
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+      const Pixel pixel(25, seed);
+      const TrainingSet training = make_lights(pixel, 0);
+      error += error_under(pixel, make_lights(pixel, 99), run_fit(pixel, training, 25, k, true), 25);
+    }
+    EXPECT_LT(error, previous) << "k " << k;
+    previous = error;
+  }
+}
+
+TEST(LightFit, RecordsKeepWeightAnchorsAndBounds) {
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    const Pixel pixel(25, seed);
+    const std::vector<FittedRecord> records = run_fit(pixel, make_lights(pixel, 0), 25, 5, true);
+    ASSERT_FALSE(records.empty());
+    double weight = 0;
+    std::set<std::array<float, 3>> anchors;
+    for (const SampleMatrix& matrix : pixel.matrices) {
+      for (int row = 0; row < matrix.rows; ++row) {
+        anchors.insert({matrix.row(row)[0], matrix.row(row)[1], matrix.row(row)[2]});
+      }
+    }
+    for (const FittedRecord& record : records) {
+      weight += record.weight;
+      EXPECT_EQ(anchors.count({record.vector[0], record.vector[1], record.vector[2]}), 1u);
+      EXPECT_NEAR(glm::length(vec3(record.vector[4], record.vector[5], record.vector[6])), 1, 1e-5);
+      for (const float x : record.vector) EXPECT_TRUE(std::isfinite(x));
+      for (int c = 7; c < 10; ++c) EXPECT_GE(record.vector[c], 0);
+      if (record.type == 1) {
+        EXPECT_GE(record.vector[13], 0.6f * 5);
+        EXPECT_LE(record.vector[13], 1.5f * 30);
+      }
+    }
+    EXPECT_NEAR(weight, 1, 1e-5);
+  }
+}
+
+TEST(LightFit, SaysNothingWhenAllIsBlack) {
+  Pixel pixel(10, 0);
+  for (std::vector<float>& values : pixel.values) {
+    for (size_t i = 0; i < values.size(); ++i) {
+      // Colours to 0; positions and normals stay.
+      const size_t width = pixel.values[0].data() == values.data() ? 10 : 14;
+      if (i % width >= 7 && i % width < 13) values[i] = 0;
+    }
+  }
+  EXPECT_TRUE(run_fit(pixel, make_lights(pixel, 0), 10, 3, true).empty());
+}
+
+TEST(KernelKmeans, FindsWellSeparatedGroups) {
+  // Points on a line: 0, 0.1, 5, 5.1, 9; the kernel is their product.
+  const std::vector<float> x = {0, 0.1f, 5, 5.1f, 9};
+  std::vector<float> gram;
+  for (const float a : x) {
+    for (const float b : x) gram.push_back(a * b);
+  }
+  Random random(1, RandomStream::tests, 2);
+  const std::vector<int> clusters = kernel_kmeans(gram, 5, 3, 8, random);
+  EXPECT_EQ(clusters, (std::vector<int>{0, 0, 1, 1, 2}));
+}
+
+TEST(KernelKmeans, EqualPointsAreOneCluster) {
+  Random random(1, RandomStream::tests, 3);
+  EXPECT_EQ(kernel_kmeans(std::vector<float>(16, 1.0f), 4, 3, 2, random), std::vector<int>(4, 0));
+}
+
+TEST(Cholesky, SolvesAndRefusesSingularMatrices) {
+  std::vector<double> a = {4, 2, 2, 5};
+  std::vector<double> x = {10, 13};  // a (1.5, 2) = (10, 13)
+  ASSERT_TRUE(factor_cholesky(a, 2));
+  forward_substitute(a, 2, x, 1);
+  backward_substitute(a, 2, x, 1);
+  EXPECT_NEAR(x[0], 1.5, 1e-12);
+  EXPECT_NEAR(x[1], 2, 1e-12);
+  std::vector<double> singular = {1, 1, 1, 1};
+  EXPECT_FALSE(factor_cholesky(singular, 2));
+}
+
+}  // namespace
+}  // namespace relume::test
