@@ -38,8 +38,7 @@ void give_each_one(std::span<const int> counts, std::vector<int>& allocation) {
 
 }  // namespace
 
-std::vector<int> allocate_records(std::span<const int> samples_per_type, int k,
-                                  bool at_least_one) {
+std::vector<int> allocate_records(std::span<const int> samples_per_type, int k, bool at_least_one) {
   CHECK_MSG(k >= 0, "k {}", k);
   const std::span<const int> counts = samples_per_type;
   const int64_t total = std::accumulate(counts.begin(), counts.end(), int64_t{0});

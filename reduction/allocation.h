@@ -10,7 +10,8 @@ namespace relume {
 /// samples, then to the lower index. k_t <= n_t; sum k_t = min(k, sum n_t).
 ///
 /// `at_least_one`: every type that has samples gets a record as long as k allows (largest types
-/// first), taken from the types with most to spare. The report does not do this and loses rare types.
+/// first), taken from the types with most to spare. The report does not do this and loses rare
+/// types.
 std::vector<int> allocate_records(std::span<const int> samples_per_type, int k, bool at_least_one);
 
 }  // namespace relume

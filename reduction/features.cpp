@@ -9,7 +9,9 @@ constexpr float direction_scale = 1.0f;
 constexpr float linear_scale = 2.0f;
 constexpr float log_scalar_scale = 0.3f;
 
-bool is_clustered(const SampleField& field) { return field.source != FieldSource::bias; }
+bool is_clustered(const SampleField& field) {
+  return field.source != FieldSource::bias;
+}
 
 /// Sizes `features` for the clustered fields and returns the mean of every sample float.
 std::vector<double> start_features(const SampleMatrix& samples, Features& features) {

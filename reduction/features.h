@@ -13,10 +13,10 @@ struct Features {
   const float* row(int i) const { return &values[static_cast<size_t>(i) * dimensions]; }
 };
 
-/// The report's parameter space (sec. 3.1): every field as it is, concatenated, in raw units, so that
-/// large numbers such as exponents dominate. Only the shadow-ray bias, which is ours, is left out.
-/// The mean row is subtracted, in double: distances stay the same and keep their precision far from
-/// the origin.
+/// The report's parameter space (sec. 3.1): every field as it is, concatenated, in raw units, so
+/// that large numbers such as exponents dominate. Only the shadow-ray bias, which is ours, is left
+/// out. The mean row is subtracted, in double: distances stay the same and keep their precision far
+/// from the origin.
 void make_raw_features(const SampleMatrix& samples, Features& features);
 
 /// Scaled coordinates in which unit distance means about the same visual change: positions over the

@@ -8,10 +8,12 @@
 namespace relume {
 namespace {
 
-bool is_unit(FieldKind kind) { return kind == FieldKind::direction || kind == FieldKind::axis; }
+bool is_unit(FieldKind kind) {
+  return kind == FieldKind::direction || kind == FieldKind::axis;
+}
 
-/// Mean of one field over all rows, weighted by `memberships`, into `out` (whose first values are the
-/// representative's).
+/// Mean of one field over all rows, weighted by `memberships`, into `out` (whose first values are
+/// the representative's).
 void average_field(const SampleMatrix& samples, std::span<const float> memberships,
                    const float* representative, const SampleField& field, int offset, float* out) {
   double sum[3] = {0, 0, 0};
@@ -63,7 +65,8 @@ void merge_clusters(const SampleMatrix& samples, const Clustering& clustering,
     for (int row = 0; row < samples.rows; ++row) {
       memberships[row] = clustering.cluster_of[row] == cluster ? 1.0f : 0.0f;
     }
-    merge_cluster(samples, memberships, clustering.representatives[cluster], weight_per_sample, out);
+    merge_cluster(samples, memberships, clustering.representatives[cluster], weight_per_sample,
+                  out);
   }
 }
 
@@ -75,7 +78,8 @@ void merge_fuzzy_clusters(const SampleMatrix& samples, const FuzzyClustering& cl
       memberships[row] =
           clustering.memberships[static_cast<size_t>(row) * clustering.count() + cluster];
     }
-    merge_cluster(samples, memberships, clustering.representatives[cluster], weight_per_sample, out);
+    merge_cluster(samples, memberships, clustering.representatives[cluster], weight_per_sample,
+                  out);
   }
 }
 

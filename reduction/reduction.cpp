@@ -16,7 +16,9 @@ namespace relume {
 namespace {
 
 /// True for methods that give every type a record while k allows; the report's lose rare types.
-bool keeps_types(ReductionMethod method) { return !is_report_method(method); }
+bool keeps_types(ReductionMethod method) {
+  return !is_report_method(method);
+}
 
 /// The pixel's own random numbers for one type; strong k-means and its kin share type 0's.
 Random make_random(uint64_t seed, uint64_t pixel, size_t type) {
@@ -133,9 +135,9 @@ class PixelReducer {
       case ReductionMethod::strong_kmeans:
       case ReductionMethod::light_fit_fast:
       case ReductionMethod::light_fit:
-        merge_clusters(samples,
-                       strong_kmeans(features_, k, params_.restarts, params_.max_iterations, random),
-                       weight, out);
+        merge_clusters(
+            samples, strong_kmeans(features_, k, params_.restarts, params_.max_iterations, random),
+            weight, out);
         return;
       case ReductionMethod::kmedoids:
         merge_clusters(samples, kmedoids(features_, k, params_.max_iterations), weight, out);
@@ -238,8 +240,8 @@ SampleTile reduce_tile(const SampleTile& samples, std::span<const SampleType> ty
   for (int pixel = 0; pixel < samples.pixel_count(); ++pixel) {
     const int x = samples.x0 + pixel % samples.width;
     const int y = samples.y0 + pixel / samples.width;
-    reducer.reduce(samples, pixel, static_cast<uint64_t>(y) * static_cast<uint64_t>(image_width) + x,
-                   records);
+    reducer.reduce(samples, pixel,
+                   static_cast<uint64_t>(y) * static_cast<uint64_t>(image_width) + x, records);
     for (TypedRows& rows : records.types) {
       rows.first.push_back(static_cast<uint32_t>(rows.rows()));
     }

@@ -9,15 +9,16 @@ namespace relume {
 
 /// How a pixel's samples become its records.
 enum class ReductionMethod {
-  all,            ///< every sample is a record: the reference
-  pure,           ///< no reduction: the sampler takes k fresh stratified samples (TR2007-600 sec. 4.2)
-  kmeans,         ///< the report's K-means, sec. 3.1, on raw fields from the first k samples
+  all,     ///< every sample is a record: the reference
+  pure,    ///< no reduction: the sampler takes k fresh stratified samples (TR2007-600 sec. 4.2)
+  kmeans,  ///< the report's K-means, sec. 3.1, on raw fields from the first k samples
   strong_kmeans,  ///< k-means++ with restarts on scaled fields, at least one record a type
   kmedoids,       ///< partitioning around medoids on scaled fields, at least one record a type
-  cmeans,         ///< fuzzy C-means (the report's sec. 5) on scaled fields, at least one record a type
+  cmeans,  ///< fuzzy C-means (the report's sec. 5) on scaled fields, at least one record a type
   light_metric_1,  ///< the samples closest to the pixel under the training lights, sec. 3.2, eq. 4
   light_metric_2,  ///< the same, drawn from shader groups, sec. 3.3, eq. 5
-  light_metric_3,  ///< the same, with the most typical white-Lambert member of each cluster, sec. 3.4
+  light_metric_3,  ///< the same, with the most typical white-Lambert member of each cluster,
+                   ///< sec. 3.4
   light_metric_4,  ///< the samples whose running mean is closest to the pixel, sec. 3.5, eq. 6
   light_metric_5,  ///< k-means on the samples' values under the training lights, sec. 3.6
   light_metric_6,  ///< k-means' clusters with the representatives of eq. 4, sec. 3.7
@@ -45,8 +46,8 @@ inline constexpr std::array reduction_method_labels = {
 /// True for methods that look at samples under training lights: reduce_tile needs a TrainingSet.
 bool needs_training(ReductionMethod method);
 
-/// True for Light-Fit, which takes evenly spread lights (make_mixed_training_lights) and a validation
-/// set beside them.
+/// True for Light-Fit, which takes evenly spread lights (make_mixed_training_lights) and a
+/// validation set beside them.
 bool needs_validation(ReductionMethod method);
 
 /// True for the methods that TR2007-600 measures: PURE, K-means and Light Metric 1 to 6.
@@ -69,11 +70,12 @@ struct ReductionParams {
   int max_iterations = 100;  ///< of k-means, per run
   int restarts = 4;          ///< strong k-means, C-means: k-means++ starts, best inertia wins
   uint64_t seed = 0;
-  float scene_radius = 1;    ///< world; the unit of positions in scaled features
+  float scene_radius = 1;  ///< world; the unit of positions in scaled features
 };
 
-/// The report's own choices for one of its methods, those of its experiment 1 (sec. 4.2): k = 8, raw
-/// units, the first k samples as seeds, types may be lost. Its lights: report_faithful_training().
+/// The report's own choices for one of its methods, those of its experiment 1 (sec. 4.2): k = 8,
+/// raw units, the first k samples as seeds, types may be lost. Its lights:
+/// report_faithful_training().
 ReductionParams report_faithful_params(ReductionMethod method);
 
 struct TrainingSet;

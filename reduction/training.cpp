@@ -104,7 +104,9 @@ void shadow_rows(const TrainingSet& training, const SampleMatrix& matrix, Receiv
 
 }  // namespace
 
-TrainingParams report_faithful_training() { return {.lights = 200, .shadows = true}; }
+TrainingParams report_faithful_training() {
+  return {.lights = 200, .shadows = true};
+}
 
 std::vector<Light> make_training_lights(const Light& low, const Light& high,
                                         const TrainingParams& params) {
@@ -126,8 +128,8 @@ std::vector<Light> make_mixed_training_lights(const Light& low, const Light& hig
   for (int i = 0; i < between; ++i) {
     Light light = interpolate_light(low, high, seed, first_training_light + i);
     light.position = halton.between(low.position, high.position, i, 0);
-    light.direction = normalize_or(halton.between(low.direction, high.direction, i, 3),
-                                   low.direction);
+    light.direction =
+        normalize_or(halton.between(low.direction, high.direction, i, 3), low.direction);
     irradiance += irradiance_at(light, scene.center(), scene.radius()) / between;
     lights.push_back(light);
   }

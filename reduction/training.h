@@ -23,8 +23,8 @@ TrainingParams report_faithful_training();
 struct TrainingSet {
   std::unique_ptr<const LightSet> lights;
   LobeEvaluator evaluator;  ///< over *lights
-  /// Per column of *lights, prepared for lights->lights[column]: what shadows it. Null: no shadow. An
-  /// empty vector: none anywhere. Not owned; columns of padding may be null.
+  /// Per column of *lights, prepared for lights->lights[column]: what shadows it. Null: no shadow.
+  /// An empty vector: none anywhere. Not owned; columns of padding may be null.
   std::vector<const VisibilitySource*> visibility;
   /// Other lights, to judge what was fitted to these; null for methods that do not ask.
   std::unique_ptr<const TrainingSet> validation;
@@ -36,14 +36,15 @@ struct TrainingSet {
 std::vector<Light> make_training_lights(const Light& low, const Light& high,
                                         const TrainingParams& params);
 
-/// Training lights are interpolate_light(low, high, seed, first_training_light + i), so that any light
-/// of a lower index is held out.
+/// Training lights are interpolate_light(low, high, seed, first_training_light + i), so that any
+/// light of a lower index is held out.
 inline constexpr uint64_t first_training_light = uint64_t{1} << 32;
 
-/// `count` lights spread evenly instead of randomly, for fitting (ours, not the report's): the first
-/// half, rounded up, between the representatives, position and direction by the Halton sequence and
-/// the rest as interpolate_light; the others directional, from all sides of the sphere, as bright at
-/// the centre of `scene` as the first half is on average. `seed` shifts both sequences.
+/// `count` lights spread evenly instead of randomly, for fitting (ours, not the report's): the
+/// first half, rounded up, between the representatives, position and direction by the Halton
+/// sequence and the rest as interpolate_light; the others directional, from all sides of the
+/// sphere, as bright at the centre of `scene` as the first half is on average. `seed` shifts both
+/// sequences.
 std::vector<Light> make_mixed_training_lights(const Light& low, const Light& high,
                                               const Bounds& scene, int count, uint64_t seed);
 

@@ -38,10 +38,10 @@ void TracedVisibility::visibility(const Receivers& receivers, float* visibility)
     if (on_surface) {
       normal = vec3(receivers.normal[0][i], receivers.normal[1][i], receivers.normal[2][i]);
     }
-    visibility[i] = sees(position, on_surface ? &normal : nullptr, receivers.lit_from_behind,
-                         receivers.bias[i])
-                        ? 1.0f
-                        : 0.0f;
+    visibility[i] =
+        sees(position, on_surface ? &normal : nullptr, receivers.lit_from_behind, receivers.bias[i])
+            ? 1.0f
+            : 0.0f;
   }
 }
 

@@ -5,10 +5,10 @@
 
 namespace relume {
 
-/// One shadow ray a receiver, from its anchor: visibility is 0 or 1 (TR2007-600 sec. 4.2). Exact for
-/// reduction method "all"; noise for sub-pixel geometry at few records. Receivers that the light cannot
-/// light (outside a spot's cone, facing away) report 1 and cost nothing; the others cost one Embree
-/// occlusion ray each.
+/// One shadow ray a receiver, from its anchor: visibility is 0 or 1 (TR2007-600 sec. 4.2). Exact
+/// for reduction method "all"; noise for sub-pixel geometry at few records. Receivers that the
+/// light cannot light (outside a spot's cone, facing away) report 1 and cost nothing; the others
+/// cost one Embree occlusion ray each.
 class TracedVisibility final : public VisibilitySource {
  public:
   /// Keeps a reference to `tracer`.

@@ -1,3 +1,5 @@
 #include "viewer/commands/commands.h"
 
-int main(int argc, char** argv) { return relume::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  return relume::run_command_line(argc, argv);
+}

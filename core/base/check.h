@@ -36,17 +36,17 @@ std::string rare_events();
 }  // namespace relume
 
 /// A contract of our own code: prints the expression and aborts when it is false. Always on.
-#define CHECK(cond)                                                                \
-  do {                                                                             \
-    if (!(cond)) [[unlikely]]                                                      \
-      ::relume::check_failed(__FILE__, __LINE__, "CHECK failed: " #cond);          \
+#define CHECK(cond)                                                       \
+  do {                                                                    \
+    if (!(cond)) [[unlikely]]                                             \
+      ::relume::check_failed(__FILE__, __LINE__, "CHECK failed: " #cond); \
   } while (0)
 
 /// CHECK with values: CHECK_MSG(i < n, "i {} n {}", i, n).
-#define CHECK_MSG(cond, ...)                                                       \
-  do {                                                                             \
-    if (!(cond)) [[unlikely]]                                                      \
-      ::relume::check_failed(__FILE__, __LINE__,                                   \
+#define CHECK_MSG(cond, ...)                                                          \
+  do {                                                                                \
+    if (!(cond)) [[unlikely]]                                                         \
+      ::relume::check_failed(__FILE__, __LINE__,                                      \
                              "CHECK failed: " #cond ": " + fmt::format(__VA_ARGS__)); \
   } while (0)
 

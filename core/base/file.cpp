@@ -15,7 +15,9 @@
 namespace relume {
 namespace {
 
-std::string system_message() { return std::strerror(errno); }
+std::string system_message() {
+  return std::strerror(errno);
+}
 
 void write_fully(int descriptor, std::span<const std::byte> bytes, uint64_t offset,
                  const std::filesystem::path& path) {

@@ -9,8 +9,8 @@
 namespace relume {
 
 /// How far a long stage is: called from one thread at a time, at most about ten times a second and
-/// once at the end. `fraction` in [0, 1]; `seconds_left` < 0 while unknown. Returning false asks the
-/// stage to stop; it then throws Error(cancelled) and leaves nothing half-written.
+/// once at the end. `fraction` in [0, 1]; `seconds_left` < 0 while unknown. Returning false asks
+/// the stage to stop; it then throws Error(cancelled) and leaves nothing half-written.
 using ProgressCallback =
     std::function<bool(const std::string& stage, double fraction, double seconds_left)>;
 

@@ -5,9 +5,9 @@
 
 namespace relume {
 
-/// Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): 128 random
-/// bits that are a pure function of counter and key. Four values per call, no state, so any thread
-/// may compute any element and the result never depends on the number of threads.
+/// Philox4x32-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): 128
+/// random bits that are a pure function of counter and key. Four values per call, no state, so any
+/// thread may compute any element and the result never depends on the number of threads.
 constexpr std::array<uint32_t, 4> philox(std::array<uint32_t, 4> counter,
                                          std::array<uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {
@@ -24,7 +24,9 @@ constexpr std::array<uint32_t, 4> philox(std::array<uint32_t, 4> counter,
 }
 
 /// A float in [0, 1) with 24 random bits.
-constexpr float unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+constexpr float unit_float(uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
 
 /// What a stream of random numbers is for; streams never overlap.
 enum class RandomStream : uint32_t {
@@ -36,8 +38,9 @@ enum class RandomStream : uint32_t {
   tests = 6,
 };
 
-/// A sequence of random numbers for one (seed, stream, index) triple, for instance one pixel, strand
-/// or trial. Draw in separate statements: the order of draws inside one expression is unspecified.
+/// A sequence of random numbers for one (seed, stream, index) triple, for instance one pixel,
+/// strand or trial. Draw in separate statements: the order of draws inside one expression is
+/// unspecified.
 class Random {
  public:
   constexpr Random(uint64_t seed, RandomStream stream, uint64_t index)

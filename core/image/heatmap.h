@@ -5,8 +5,8 @@
 namespace relume {
 
 /// The perceptually uniform "inferno" map (Smith and van der Walt, matplotlib, CC0), by cubic
-/// interpolation of 17 knots: 0 -> black, 1 -> light yellow, luminance ascending, sRGB-encoded in [0,1].
-/// Clamps; NaN gives magenta.
+/// interpolation of 17 knots: 0 -> black, 1 -> light yellow, luminance ascending, sRGB-encoded in
+/// [0,1]. Clamps; NaN gives magenta.
 vec3 heat_color(float value);
 
 struct HeatmapParams {

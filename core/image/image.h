@@ -8,8 +8,8 @@
 
 namespace relume {
 
-/// A float image, scene-linear unless said otherwise: `channels` interleaved floats a pixel, rows top
-/// to bottom.
+/// A float image, scene-linear unless said otherwise: `channels` interleaved floats a pixel, rows
+/// top to bottom.
 struct Image {
   int width = 0;
   int height = 0;

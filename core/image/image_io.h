@@ -9,7 +9,8 @@
 
 namespace relume {
 
-/// One group of channels of an EXR. The channels are `prefix` + names[i]: {"light.key.", {"R","G","B"}}.
+/// One group of channels of an EXR. The channels are `prefix` + names[i]: {"light.key.",
+/// {"R","G","B"}}.
 struct ExrLayer {
   std::string prefix;
   std::vector<std::string> names;

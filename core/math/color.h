@@ -5,7 +5,9 @@
 namespace relume {
 
 /// Rec. 709 luminance of a scene-linear colour.
-inline float luminance(vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+inline float luminance(vec3 c) {
+  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 
 /// IEC 61966-2-1, one channel, [0,1] -> [0,1].
 inline float srgb_from_linear(float x) {

@@ -4,8 +4,12 @@
 
 namespace relume {
 
-inline vec3 transform_point(const mat4x3& m, vec3 p) { return m * vec4(p, 1.0f); }
-inline vec3 transform_vector(const mat4x3& m, vec3 v) { return m * vec4(v, 0.0f); }
+inline vec3 transform_point(const mat4x3& m, vec3 p) {
+  return m * vec4(p, 1.0f);
+}
+inline vec3 transform_vector(const mat4x3& m, vec3 v) {
+  return m * vec4(v, 0.0f);
+}
 
 /// `n` carried by the inverse transpose, not normalised. For a singular transform the result may be
 /// zero: pass it through normalize_or.
@@ -29,6 +33,8 @@ inline mat4x3 compose(const mat4x3& a, const mat4x3& b) {
           transform_point(a, b[3])};
 }
 
-inline mat4x3 identity_transform() { return mat4x3(1.0f); }
+inline mat4x3 identity_transform() {
+  return mat4x3(1.0f);
+}
 
 }  // namespace relume

@@ -4,11 +4,10 @@
 
 #define GLM_FORCE_SIZE_T_LENGTH
 #define GLM_ENABLE_EXPERIMENTAL
-#include <glm/glm.hpp>
-#include <glm/gtc/matrix_inverse.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_inverse.hpp>
 #include <limits>
 
 namespace relume {
@@ -27,14 +26,26 @@ using mat4x3 = glm::mat4x3;
 inline constexpr float pi = 3.14159265358979323846f;
 inline constexpr float inv_pi = 1.0f / pi;
 
-inline float radians_from_degrees(float degrees) { return degrees * (pi / 180.0f); }
+inline float radians_from_degrees(float degrees) {
+  return degrees * (pi / 180.0f);
+}
 
-inline bool is_finite(float x) { return std::isfinite(x); }
-inline bool is_finite(vec2 v) { return is_finite(v.x) && is_finite(v.y); }
-inline bool is_finite(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+inline bool is_finite(float x) {
+  return std::isfinite(x);
+}
+inline bool is_finite(vec2 v) {
+  return is_finite(v.x) && is_finite(v.y);
+}
+inline bool is_finite(vec3 v) {
+  return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
 
-inline float max_component(vec3 v) { return std::max(v.x, std::max(v.y, v.z)); }
-inline float max_abs_component(vec3 v) { return max_component(glm::abs(v)); }
+inline float max_component(vec3 v) {
+  return std::max(v.x, std::max(v.y, v.z));
+}
+inline float max_abs_component(vec3 v) {
+  return max_component(glm::abs(v));
+}
 
 /// `v` scaled to unit length, computed in double so that no finite vector under- or overflows;
 /// `fallback` when v is zero or not finite.

@@ -10,13 +10,13 @@ namespace relume {
 /// One block: 16 pixels, one per lane (see PackedBlock).
 struct KernelBlock {
   const float* data;
-  const uint16_t* slots;        ///< per type
-  const int* shaders;           ///< per type: index into the shader list
-  const int* widths;            ///< per type: floats per sample vector
+  const uint16_t* slots;  ///< per type
+  const int* shaders;     ///< per type: index into the shader list
+  const int* widths;      ///< per type: floats per sample vector
   int type_count;
-  const float* visibility;      ///< 16 per slot, in slot order, or null: all 1
+  const float* visibility;  ///< 16 per slot, in slot order, or null: all 1
   float eye[3];
-  float* rgb;                   ///< out: 3 x 16 sums
+  float* rgb;  ///< out: 3 x 16 sums
 };
 
 using ShadeBlock = void (*)(const KernelBlock&, const KernelLight&);

@@ -65,14 +65,13 @@ struct ShaderKernels {
 template <class Shader>
 constexpr ShaderKernels kernels_of() {
   using K = LightKernel;
-  return {{{shade_slots<Shader, K::point, false>, shade_slots<Shader, K::point, true>},
-           {shade_slots<Shader, K::point_constant, false>,
-            shade_slots<Shader, K::point_constant, true>},
-           {shade_slots<Shader, K::spot, false>, shade_slots<Shader, K::spot, true>},
-           {shade_slots<Shader, K::spot_constant, false>,
-            shade_slots<Shader, K::spot_constant, true>},
-           {shade_slots<Shader, K::directional, false>,
-            shade_slots<Shader, K::directional, true>}}};
+  return {
+      {{shade_slots<Shader, K::point, false>, shade_slots<Shader, K::point, true>},
+       {shade_slots<Shader, K::point_constant, false>,
+        shade_slots<Shader, K::point_constant, true>},
+       {shade_slots<Shader, K::spot, false>, shade_slots<Shader, K::spot, true>},
+       {shade_slots<Shader, K::spot_constant, false>, shade_slots<Shader, K::spot_constant, true>},
+       {shade_slots<Shader, K::directional, false>, shade_slots<Shader, K::directional, true>}}};
 }
 
 template <class... Shaders>

@@ -7,8 +7,8 @@
 
 namespace relume {
 
-/// Asks `source` for the visibility of every record of a block: 16 values a slot, in slot order, into
-/// `visibility` (resized).
+/// Asks `source` for the visibility of every record of a block: 16 values a slot, in slot order,
+/// into `visibility` (resized).
 void query_block(const CacheInfo& info, const PackedBlock& block, const VisibilitySource& source,
                  std::vector<float>& visibility);
 

@@ -20,9 +20,9 @@ dvec3 shade_lane(const CacheInfo& info, const PackedBlock& block, int lane, cons
       const double seen = visibility != nullptr ? visibility[lane] : 1.0;
       for (int i = 0; i < type.width; ++i) vector[i] = data[(1 + i) * block_lanes + lane];
       if (weight > 0) {
-        sum += weight * seen *
-               reference_response(type, vector, light, dvec3(info.camera.eye),
-                                  info.bounds.radius());
+        sum +=
+            weight * seen *
+            reference_response(type, vector, light, dvec3(info.camera.eye), info.bounds.radius());
       }
       data += (1 + type.width) * block_lanes;
       if (visibility != nullptr) visibility += block_lanes;
@@ -43,8 +43,8 @@ Image reference_layer(const RelightCache& cache, const Light& light,
       const PackedBlock block = cache.block(tile, b);
       if (shadows != nullptr) query_block(info, block, *shadows, visibility);
       for (int lane = 0; lane < block.lanes; ++lane) {
-        const dvec3 rgb = shade_lane(info, block, lane, light,
-                                     shadows != nullptr ? visibility.data() : nullptr);
+        const dvec3 rgb =
+            shade_lane(info, block, lane, light, shadows != nullptr ? visibility.data() : nullptr);
         float* pixel = layer.at(tile.x0 + block.pixels[lane] % tile_size,
                                 tile.y0 + block.pixels[lane] / tile_size);
         for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(rgb[c]);

@@ -43,7 +43,10 @@ void shade_one_block(const CacheView& view, const PackedTile& tile, int index,
   if (shadows != nullptr) query_block(info, block, *shadows, visibility);
   alignas(64) float rgb[3 * block_lanes];
   const vec3 eye = info.camera.eye;
-  view.shade_block({block.data, block.slots, view.shaders.data(), view.widths.data(),
+  view.shade_block({block.data,
+                    block.slots,
+                    view.shaders.data(),
+                    view.widths.data(),
                     static_cast<int>(view.widths.size()),
                     shadows != nullptr ? visibility.data() : nullptr,
                     {eye.x, eye.y, eye.z},
@@ -119,8 +122,8 @@ RelightStats relight(RelightState& state, std::span<const Light> lights, Visibil
   state.lights.resize(lights.size());
   state.layers.resize(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) {
-    const bool current = i < known && same_layer(state.lights[i], lights[i]) &&
-                         state.layers[i].width > 0;
+    const bool current =
+        i < known && same_layer(state.lights[i], lights[i]) && state.layers[i].width > 0;
     // A muted light is not shaded: its layer waits until it is wanted.
     if (!current) state.layers[i] = Image();
     state.lights[i] = lights[i];

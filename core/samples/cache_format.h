@@ -19,7 +19,7 @@ namespace relume {
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
 inline constexpr uint32_t cache_version = 1;
 inline constexpr uint32_t cache_endian_mark = 0x01020304;
-inline constexpr int max_slots = 4096;        ///< of one type in one block: samples a pixel
+inline constexpr int max_slots = 4096;  ///< of one type in one block: samples a pixel
 
 struct CacheHeader {
   std::array<char, 8> magic = cache_magic;
@@ -41,10 +41,10 @@ struct TileEntry {
   uint16_t height = 0;
   uint32_t block_count = 0;
   uint32_t reserved = 0;
-  uint64_t offset = 0;           ///< of the chunk in the file, a multiple of 64
-  uint64_t data_floats = 0;      ///< then the block headers start
-  uint64_t size = 0;             ///< bytes of the chunk
-  uint64_t hash = 0;             ///< XXH3 of the chunk
+  uint64_t offset = 0;       ///< of the chunk in the file, a multiple of 64
+  uint64_t data_floats = 0;  ///< then the block headers start
+  uint64_t size = 0;         ///< bytes of the chunk
+  uint64_t hash = 0;         ///< XXH3 of the chunk
 };
 static_assert(sizeof(TileEntry) == 48);
 
@@ -62,8 +62,8 @@ uint64_t hash_bytes(std::span<const std::byte> bytes, uint64_t seed = 0);
 uint64_t index_hash(const CacheHeader& header, std::span<const std::byte> info,
                     std::span<const std::byte> directory);
 
-/// CacheInfo as bytes, and back. The reader throws Error(input) on anything that does not fit; every
-/// count is checked against the bytes left before memory is taken.
+/// CacheInfo as bytes, and back. The reader throws Error(input) on anything that does not fit;
+/// every count is checked against the bytes left before memory is taken.
 std::vector<std::byte> encode_info(const CacheInfo& info);
 CacheInfo decode_info(std::span<const std::byte> bytes, std::span<const ShaderInfo* const> shaders,
                       const std::string& place);

@@ -7,7 +7,9 @@
 namespace relume {
 namespace {
 
-constexpr size_t align_up(size_t size) { return (size + 63) / 64 * 64; }
+constexpr size_t align_up(size_t size) {
+  return (size + 63) / 64 * 64;
+}
 
 void append_to(std::vector<std::byte>& chunk, std::span<const std::byte> bytes) {
   chunk.insert(chunk.end(), bytes.begin(), bytes.end());

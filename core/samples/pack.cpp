@@ -9,7 +9,9 @@
 namespace relume {
 namespace {
 
-uint32_t rows_of(const TypedRows& rows, int pixel) { return rows.first[pixel + 1] - rows.first[pixel]; }
+uint32_t rows_of(const TypedRows& rows, int pixel) {
+  return rows.first[pixel + 1] - rows.first[pixel];
+}
 
 /// The tile's pixels that have records, sorted by record counts type by type, then by position.
 std::vector<int> sorted_pixels(const SampleTile& tile) {
@@ -30,8 +32,8 @@ std::vector<int> sorted_pixels(const SampleTile& tile) {
   return pixels;
 }
 
-/// Writes one slot: record `slot` of each lane's pixel; lanes without one get weight 0 and the values
-/// of the first lane that has one.
+/// Writes one slot: record `slot` of each lane's pixel; lanes without one get weight 0 and the
+/// values of the first lane that has one.
 void pack_slot(const TypedRows& rows, std::span<const int> lanes, uint32_t slot, int width,
                float* out) {
   size_t filler = 0;
@@ -54,8 +56,7 @@ void pack_block(const SampleTile& tile, std::span<const SampleType> types,
   header[4] = static_cast<std::byte>(lanes.size());
   for (size_t lane = 0; lane < block_lanes; ++lane) {
     const int pixel = lanes[lane < lanes.size() ? lane : 0];
-    header[5 + lane] =
-        static_cast<std::byte>(pixel / tile.width * tile_size + pixel % tile.width);
+    header[5 + lane] = static_cast<std::byte>(pixel / tile.width * tile_size + pixel % tile.width);
   }
   for (size_t t = 0; t < types.size(); ++t) {
     const TypedRows& rows = tile.types[t];

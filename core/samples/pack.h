@@ -14,8 +14,8 @@ struct PackedTileData {
   uint32_t block_count = 0;
   uint64_t record_count = 0;
   std::vector<float> data;
-  std::vector<std::byte> blocks;    ///< block_count headers
-  std::vector<uint8_t> coverage;    ///< width * height
+  std::vector<std::byte> blocks;  ///< block_count headers
+  std::vector<uint8_t> coverage;  ///< width * height
 };
 
 /// Packs the records of a tile, one SIMD lane a pixel: pixels are sorted by how many records they

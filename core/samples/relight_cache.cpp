@@ -22,7 +22,9 @@ bool inside(uint64_t offset, uint64_t size, uint64_t total) {
   return offset <= total && size <= total - offset;
 }
 
-size_t tiles_across(int pixels) { return static_cast<size_t>((pixels + tile_size - 1) / tile_size); }
+size_t tiles_across(int pixels) {
+  return static_cast<size_t>((pixels + tile_size - 1) / tile_size);
+}
 
 TileEntry read_entry(std::span<const std::byte> directory, size_t i) {
   TileEntry entry;
@@ -38,7 +40,8 @@ CacheHeader read_header(std::span<const std::byte> bytes, const std::string& pla
     throw input_error(place, "is not a .relume cache", "make one with relume prepare");
   }
   if (header.endian != cache_endian_mark || header.version != cache_version) {
-    throw input_error(place, fmt::format("has cache version {}, not {}", header.version, cache_version),
+    throw input_error(place,
+                      fmt::format("has cache version {}, not {}", header.version, cache_version),
                       "prepare the scene again with this program");
   }
   // In memory the last chunk may be padded; a file has the exact size.
@@ -103,7 +106,8 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
   }
   const std::byte* start = bytes_.data() + entry.offset;
   if (hash_bytes({start, entry.size}) != entry.hash) corrupt(place, "a checksum does not match");
-  PackedTile tile{entry.x0, entry.y0, entry.width, entry.height, static_cast<int>(entry.block_count)};
+  PackedTile tile{entry.x0, entry.y0, entry.width, entry.height,
+                  static_cast<int>(entry.block_count)};
   tile.data = reinterpret_cast<const float*>(start);
   tile.blocks = start + entry.data_floats * sizeof(float);
   tile.coverage = reinterpret_cast<const uint8_t*>(tile.blocks + entry.block_count * stride);

@@ -20,17 +20,17 @@ struct alignas(64) CacheChunk {
 };
 using CacheBytes = std::vector<CacheChunk>;
 
-/// All that a cache says about itself, as stored in its header. Everything needed to relight without
-/// the scene, and the scene's text so that traced shadows can be had from it.
+/// All that a cache says about itself, as stored in its header. Everything needed to relight
+/// without the scene, and the scene's text so that traced shadows can be had from it.
 struct CacheInfo {
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels
   Camera camera;
   std::vector<SampleType> types;
-  Bounds bounds;              ///< of the scene, world
-  std::string method;         ///< reduction label: "kmeans", "pure", ..., "all" = not reduced
-  int records = 0;            ///< k asked for per pixel
-  int spp = 0;                ///< samples per pixel taken
+  Bounds bounds;       ///< of the scene, world
+  std::string method;  ///< reduction label: "kmeans", "pure", ..., "all" = not reduced
+  int records = 0;     ///< k asked for per pixel
+  int spp = 0;         ///< samples per pixel taken
   uint64_t seed = 0;
   uint64_t sample_count = 0;  ///< samples that hit, before reduction
   uint64_t record_count = 0;  ///< records stored, padding excluded
@@ -45,14 +45,14 @@ struct CacheInfo {
 
 struct TileEntry;  // core/samples/cache_format.h
 
-/// Sixteen pixels of a tile. For each type t in order it has slots[t] slots; a slot holds, for each of
-/// 16 lanes, one record: 16 weights, then 16 floats for each of the type's `width` components.
+/// Sixteen pixels of a tile. For each type t in order it has slots[t] slots; a slot holds, for each
+/// of 16 lanes, one record: 16 weights, then 16 floats for each of the type's `width` components.
 /// Missing records have weight 0 and the values of some record of the same slot (always finite).
 struct PackedBlock {
-  const float* data;         ///< first slot, 64-byte aligned within the cache
-  const uint16_t* slots;     ///< per type
-  const uint8_t* pixels;     ///< per lane: y * tile_size + x within the tile
-  int lanes;                 ///< lanes in use, 1..16; the others repeat lane 0's pixel with weight 0
+  const float* data;      ///< first slot, 64-byte aligned within the cache
+  const uint16_t* slots;  ///< per type
+  const uint8_t* pixels;  ///< per lane: y * tile_size + x within the tile
+  int lanes;              ///< lanes in use, 1..16; the others repeat lane 0's pixel with weight 0
 };
 
 /// Read access to one tile of a cache.
@@ -71,9 +71,9 @@ struct PackedTile {
 /// memory. Thread-safe.
 class RelightCache {
  public:
-  /// Opens and checks a file: magic, version, every count and offset, checksums. Throws Error(input)
-  /// or Error(limit); nothing is allocated that the file's own size does not justify. `shaders` is
-  /// the program's table: a cache that names a shader or fields it lacks is refused.
+  /// Opens and checks a file: magic, version, every count and offset, checksums. Throws
+  /// Error(input) or Error(limit); nothing is allocated that the file's own size does not justify.
+  /// `shaders` is the program's table: a cache that names a shader or fields it lacks is refused.
   static RelightCache open(const std::filesystem::path& path,
                            std::span<const ShaderInfo* const> shaders);
   /// The same over the bytes of a whole cache in memory; `place` is used in messages.

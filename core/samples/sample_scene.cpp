@@ -77,7 +77,9 @@ bool append_sample(const ViewSampler& view, const SampleType& type, const Surfac
   return true;
 }
 
-int tiles_across(int pixels) { return (pixels + tile_size - 1) / tile_size; }
+int tiles_across(int pixels) {
+  return (pixels + tile_size - 1) / tile_size;
+}
 
 }  // namespace
 
@@ -116,7 +118,8 @@ SampleTile sample_tile(const ViewSampler& view, int index) {
     sample_pixel(view.strata, view.seed,
                  static_cast<uint64_t>(y) * static_cast<uint64_t>(view.width) + x, positions);
     for (const vec2 offset : positions) {
-      const Ray ray{.origin = view.rays.eye(), .direction = view.rays.direction(vec2(x, y) + offset)};
+      const Ray ray{.origin = view.rays.eye(),
+                    .direction = view.rays.direction(vec2(x, y) + offset)};
       const std::optional<SurfacePoint> point = view.tracer->intersect(ray);
       if (!point) continue;
       const uint16_t type = view.types.type_of_material[point->material];

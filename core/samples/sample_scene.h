@@ -9,8 +9,8 @@ namespace relume {
 /// A material's value for one field of its type.
 struct ResolvedParameter {
   vec3 value{0};
-  int texture = -1;          ///< index into Scene::textures, multiplies the value, or -1
-  bool strand_color = false; ///< multiplied by the strand's own colour
+  int texture = -1;           ///< index into Scene::textures, multiplies the value, or -1
+  bool strand_color = false;  ///< multiplied by the strand's own colour
 };
 
 /// Everything that sampling a view needs; built once, then read by all threads.
@@ -21,8 +21,8 @@ struct ViewSampler {
   CameraRays rays;
   PixelStrata strata;
   uint64_t seed;
-  int width;   ///< pixels
-  int height;  ///< pixels
+  int width;                                               ///< pixels
+  int height;                                              ///< pixels
   std::vector<std::vector<ResolvedParameter>> parameters;  ///< per material, per field of its type
 };
 

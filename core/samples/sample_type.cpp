@@ -46,13 +46,14 @@ SampleTypes make_sample_types(const Scene& scene) {
     result.type_of_material.push_back(static_cast<uint16_t>(found - result.types.begin()));
     if (found != result.types.end()) continue;
     if (result.types.size() == max_sample_types) {
-      throw limit_error(scene.name, fmt::format("needs more than {} sample types", max_sample_types),
+      throw limit_error(scene.name,
+                        fmt::format("needs more than {} sample types", max_sample_types),
                         "use fewer different merge choices");
     }
     result.types.push_back(type);
-    const auto of_shader = std::count_if(
-        result.types.begin(), result.types.end(),
-        [&](const SampleType& other) { return other.shader == type.shader; });
+    const auto of_shader =
+        std::count_if(result.types.begin(), result.types.end(),
+                      [&](const SampleType& other) { return other.shader == type.shader; });
     if (of_shader > 1) result.types.back().name = fmt::format("{}#{}", type.name, of_shader);
   }
   return result;

@@ -13,11 +13,11 @@ inline constexpr int max_sample_types = 64;  ///< of a scene
 /// A sample type: one shader's fields with the merge categories that an artist chose. Samples of
 /// different types are never merged, even when their widths agree (TR2007-600 sec. 2.1).
 struct SampleType {
-  std::string name;              ///< the shader's name, with "#2", "#3" for other merge choices
+  std::string name;  ///< the shader's name, with "#2", "#3" for other merge choices
   const ShaderInfo* shader = nullptr;
-  std::vector<Merge> merges;     ///< per field
-  std::vector<int> offsets;      ///< per field: first float within a sample vector
-  int width = 0;                 ///< floats per sample vector
+  std::vector<Merge> merges;  ///< per field
+  std::vector<int> offsets;   ///< per field: first float within a sample vector
+  int width = 0;              ///< floats per sample vector
 
   size_t field_count() const { return merges.size(); }
   const SampleField& field(size_t i) const { return shader->fields[i]; }

@@ -21,8 +21,7 @@ class CameraRays {
     const vec3 forward = normalize_or(camera.target - camera.eye, vec3(0, 0, -1));
     const vec3 right = normalize_or(glm::cross(forward, camera.up), vec3(1, 0, 0));
     const vec3 up = glm::cross(right, forward);
-    const float per_pixel =
-        std::tan(0.5f * radians_from_degrees(camera.fov_y_deg)) / half_size_.y;
+    const float per_pixel = std::tan(0.5f * radians_from_degrees(camera.fov_y_deg)) / half_size_.y;
     forward_ = forward;
     right_per_px_ = right * per_pixel;
     up_per_px_ = up * per_pixel;
@@ -42,7 +41,8 @@ class CameraRays {
     return glm::normalize(forward_ + right_per_px_ * offset.x - up_per_px_ * offset.y);
   }
 
-  /// Where a world point falls on the film, in pixels; `depth` along forward() is <= 0 behind the eye.
+  /// Where a world point falls on the film, in pixels; `depth` along forward() is <= 0 behind the
+  /// eye.
   struct Projection {
     vec2 film_px;
     float depth;

@@ -13,7 +13,9 @@ void require(bool ok, const std::string& place, const char* field, const char* w
   if (!ok) throw input_error(place + "/" + field, what, mend);
 }
 
-float between(float low, float high, Random& random) { return low + (high - low) * random.uniform(); }
+float between(float low, float high, Random& random) {
+  return low + (high - low) * random.uniform();
+}
 
 vec3 between(vec3 low, vec3 high, Random& random) {
   const float x = between(low.x, high.x, random);
@@ -26,14 +28,16 @@ vec3 between(vec3 low, vec3 high, Random& random) {
 
 void validate_light(const Light& light, const std::string& place) {
   // Squared distances must stay within a float.
-  require(is_finite(light.position) && max_abs_component(light.position) <= 1e15f, place, "position",
-          "is not finite or above 1e15", "give three numbers; for a light that far, a directional one");
+  require(is_finite(light.position) && max_abs_component(light.position) <= 1e15f, place,
+          "position", "is not finite or above 1e15",
+          "give three numbers; for a light that far, a directional one");
   require(is_finite(light.direction) && glm::length(dvec3(light.direction)) > 0, place, "direction",
           "is zero or not finite", "give three numbers, not all zero");
   require(light.outer_angle_deg >= min_spot_angle_deg && light.outer_angle_deg <= 90, place,
           "outer_angle_deg", "is not within [0.5, 90]", "give the half angle in degrees");
   require(light.inner_angle_deg >= 0 && light.inner_angle_deg <= light.outer_angle_deg, place,
-          "inner_angle_deg", "is not within [0, outer_angle_deg]", "give the half angle in degrees");
+          "inner_angle_deg", "is not within [0, outer_angle_deg]",
+          "give the half angle in degrees");
   require(is_finite(light.color) && glm::all(glm::greaterThanEqual(light.color, vec3(0))) &&
               max_component(light.color) <= 1e20f,
           place, "color", "has a component that is negative, not finite or above 1e20",

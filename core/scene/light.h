@@ -25,16 +25,17 @@ inline constexpr float min_spot_angle_deg = 0.5f;
 struct Light {
   std::string name = "light";
   LightType type = LightType::point;
-  vec3 position{0, 0, 0};     ///< world; point and spot
-  vec3 direction{0, -1, 0};   ///< world, the way the light travels, any length > 0; spot, directional
-  float inner_angle_deg = 20; ///< spot: half angle of the full-intensity cone, [0, outer]
+  vec3 position{0, 0, 0};  ///< world; point and spot
+  vec3 direction{0, -1,
+                 0};  ///< world, the way the light travels, any length > 0; spot, directional
+  float inner_angle_deg = 20;  ///< spot: half angle of the full-intensity cone, [0, outer]
   /// Spot: half angle where it reaches zero, [min_spot_angle_deg, 90].
   float outer_angle_deg = 30;
   /// Inverse-square falloff: irradiance = color * gain / d^2. Off: irradiance = color * gain at any
   /// distance. Directional lights have none.
   bool falloff = true;
   vec3 color{1, 1, 1};  ///< scene-linear, >= 0
-  float gain = 1;       ///< radiant intensity (falloff on) or irradiance (off) per unit colour, >= 0
+  float gain = 1;  ///< radiant intensity (falloff on) or irradiance (off) per unit colour, >= 0
   bool mute = false;
   bool casts_shadow = true;
 
@@ -50,8 +51,8 @@ void validate_light(const Light& light, const std::string& place);
 bool same_layer(const Light& a, const Light& b);
 
 /// A random light between two representatives (TR2007-600 sec. 3.2): position, direction, angles,
-/// colour and gain are interpolated independently of each other, each vector component by itself, so
-/// the two bound a box. Deterministic in (seed, index).
+/// colour and gain are interpolated independently of each other, each vector component by itself,
+/// so the two bound a box. Deterministic in (seed, index).
 Light interpolate_light(const Light& low, const Light& high, uint64_t seed, uint64_t index);
 
 }  // namespace relume

@@ -20,23 +20,25 @@ struct Texture {
   std::string name;
   int width = 0;
   int height = 0;
-  bool srgb = true;            ///< decode with the sRGB curve; false for alpha and data
-  std::vector<uint8_t> texels; ///< width * height * 4, RGBA
+  bool srgb = true;             ///< decode with the sRGB curve; false for alpha and data
+  std::vector<uint8_t> texels;  ///< width * height * 4, RGBA
 };
 
 /// The value of one material parameter: a constant, times a texture where one is named.
 struct MaterialParameter {
-  std::string name;   ///< a field of the shader with FieldSource::material
-  vec3 value{0};      ///< for width 1 only x counts
-  int texture = -1;   ///< index into Scene::textures, or -1
+  std::string name;  ///< a field of the shader with FieldSource::material
+  vec3 value{0};     ///< for width 1 only x counts
+  int texture = -1;  ///< index into Scene::textures, or -1
 };
 
 /// A surface or strand material: a shader's name and its parameters.
 struct Material {
   std::string name;
-  int shader = 0;                             ///< index into Scene::shaders
-  std::vector<MaterialParameter> parameters;  ///< those that differ from the shader's initial values
-  int alpha_texture = -1;  ///< cut-out mask: where its alpha (or luminance) is < alpha_cutoff, no hit
+  int shader = 0;  ///< index into Scene::shaders
+  std::vector<MaterialParameter>
+      parameters;  ///< those that differ from the shader's initial values
+  int alpha_texture =
+      -1;  ///< cut-out mask: where its alpha (or luminance) is < alpha_cutoff, no hit
   bool alpha_from_luminance = false;  ///< mask is a grey image (MTL map_d), not an alpha channel
   float alpha_cutoff = 0.5f;
   /// The artist's choice, TR2007-600 sec. 2.1: fields (by name) whose merge category differs from
@@ -48,10 +50,10 @@ struct Material {
 /// parallel to positions; every value finite; no zero-area triangle.
 struct Mesh {
   std::vector<vec3> positions;
-  std::vector<vec3> normals;            ///< unit, shading
+  std::vector<vec3> normals;  ///< unit, shading
   std::vector<vec2> uvs;
   std::vector<uvec3> triangles;
-  std::vector<uint32_t> materials;      ///< per triangle, index into Scene::materials
+  std::vector<uint32_t> materials;  ///< per triangle, index into Scene::materials
 };
 
 /// Strands of linear segments. Invariants after load: offsets has strands + 1 ascending entries;
@@ -116,7 +118,7 @@ Bounds transform_bounds(const Bounds& local, const mat4x3& world_from_local);
 Bounds world_bounds(const Scene& scene);
 
 struct SceneCounts {
-  uint64_t triangles = 0;            ///< stored once per prototype
+  uint64_t triangles = 0;  ///< stored once per prototype
   uint64_t strands = 0;
   uint64_t segments = 0;
   uint64_t instanced_triangles = 0;  ///< as seen by rays
@@ -124,8 +126,9 @@ struct SceneCounts {
 };
 SceneCounts count_scene(const Scene& scene);
 
-/// Throws Error(input) or Error(limit), naming the field, when `scene` breaks an invariant above that
-/// a loader or generator could break. Loaders call it last; so may tests that build scenes by hand.
+/// Throws Error(input) or Error(limit), naming the field, when `scene` breaks an invariant above
+/// that a loader or generator could break. Loaders call it last; so may tests that build scenes by
+/// hand.
 void validate_scene(const Scene& scene);
 
 }  // namespace relume

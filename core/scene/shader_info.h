@@ -17,23 +17,23 @@ inline constexpr std::array merge_labels = {
     Label<Merge>{Merge::representative, "representative"},
 };
 
-/// What a field is to the response, for methods that know more than the report's (Light-Fit) and for
-/// feature scaling.
+/// What a field is to the response, for methods that know more than the report's (Light-Fit) and
+/// for feature scaling.
 enum class FieldKind {
-  anchor,          ///< a position: always a real sample's
-  direction,       ///< a unit vector
-  axis,            ///< a unit vector whose sign does not matter (a strand's tangent)
-  scalar,          ///< a number within `low..high`
-  linear,          ///< the response is proportional to it (a colour)
+  anchor,     ///< a position: always a real sample's
+  direction,  ///< a unit vector
+  axis,       ///< a unit vector whose sign does not matter (a strand's tangent)
+  scalar,     ///< a number within `low..high`
+  linear,     ///< the response is proportional to it (a colour)
 };
 
 /// Where the sampler takes a field from.
 enum class FieldSource {
-  position,   ///< world space
-  bias,       ///< shadow-ray bias in world units, see core/trace/ray_bias.h
-  normal,     ///< shading normal, world space, flipped to face the eye
-  tangent,    ///< strand direction, world space
-  material,   ///< the material's parameter of the field's name, times its texture if it has one
+  position,  ///< world space
+  bias,      ///< shadow-ray bias in world units, see core/trace/ray_bias.h
+  normal,    ///< shading normal, world space, flipped to face the eye
+  tangent,   ///< strand direction, world space
+  material,  ///< the material's parameter of the field's name, times its texture if it has one
 };
 
 /// One field of a sample vector.
@@ -43,10 +43,10 @@ struct SampleField {
   FieldKind kind;
   FieldSource source;
   std::string_view unit;
-  Merge merge;           ///< default; a material may override it
-  float low = 0;         ///< smallest value a material may give (kind linear and scalar)
-  float high = 0;        ///< largest
-  float initial = 0;     ///< value, in every component, when the material says nothing
+  Merge merge;        ///< default; a material may override it
+  float low = 0;      ///< smallest value a material may give (kind linear and scalar)
+  float high = 0;     ///< largest
+  float initial = 0;  ///< value, in every component, when the material says nothing
 };
 
 /// A shader as data: its name in scene files and the fields of its samples, in order. Constants of

@@ -45,9 +45,8 @@ Incident incident(const LightPack& light, V p) {
     constexpr bool falloff = kind == LightKernel::point || kind == LightKernel::spot;
     F irradiance = falloff ? inverse_distance * inverse_distance : F(1);
     if constexpr (kind == LightKernel::spot || kind == LightKernel::spot_constant) {
-      const F t = min(max((dot(wi, light.to_light) - light.cos_outer) * light.inverse_cos_range,
-                          F(0)),
-                      F(1));
+      const F t = min(
+          max((dot(wi, light.to_light) - light.cos_outer) * light.inverse_cos_range, F(0)), F(1));
       irradiance = irradiance * t * t * (F(3) - F(2) * t);
     }
     return {wi, irradiance};

@@ -5,11 +5,11 @@
 
 namespace relume {
 
-/// Strands: Kajiya and Kay, "Rendering fur with three dimensional textures", 1989, sec. 3.2, with both
-/// lobes normalised as in Phong. With the angles between the tangent t and wi, wo:
-/// f * cos = diffuse / pi sin(t,wi) + specular (e + 2) / (2 pi) max(0, sin sin - cos cos)^e.
-/// The sign: the mirror cone has the opposite cosine, so the peak is at t.wo = -t.wi. The sign of t
-/// cancels. No self-shadowing term: visibility is the shadow module's.
+/// Strands: Kajiya and Kay, "Rendering fur with three dimensional textures", 1989, sec. 3.2, with
+/// both lobes normalised as in Phong. With the angles between the tangent t and wi, wo: f * cos =
+/// diffuse / pi sin(t,wi) + specular (e + 2) / (2 pi) max(0, sin sin - cos cos)^e. The sign: the
+/// mirror cone has the opposite cosine, so the peak is at t.wo = -t.wi. The sign of t cancels. No
+/// self-shadowing term: visibility is the shadow module's.
 struct KajiyaKay {
   static constexpr std::array<SampleField, 6> fields{{
       position_field_info,
@@ -48,8 +48,7 @@ struct KajiyaKay {
     const F sin_o = sqrt(max(F(1) - cos_o * cos_o, F(0)));
     const F peak = max(sin_i * sin_o - cos_i * cos_o, F(0));
     const F exponent = f(13);
-    return {{sin_i * F(inv_pi),
-             (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(peak, exponent)}};
+    return {{sin_i * F(inv_pi), (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(peak, exponent)}};
   }
 };
 

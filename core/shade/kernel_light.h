@@ -4,14 +4,15 @@
 
 namespace relume {
 
-/// How a light reaches a record; each has kernels of its own, so that a scene pays for what it uses.
+/// How a light reaches a record; each has kernels of its own, so that a scene pays for what it
+/// uses.
 enum class LightKernel : int { point, point_constant, spot, spot_constant, directional, count };
 
 /// A light as kernels see it: plain floats, world space.
 struct KernelLight {
   LightKernel kind = LightKernel::point;
   float position[3] = {};
-  float to_light[3] = {};          ///< unit, directional: towards the light; spot: -axis
+  float to_light[3] = {};  ///< unit, directional: towards the light; spot: -axis
   float cos_outer = 0;
   float inverse_cos_range = 0;     ///< 1 / (cos_inner - cos_outer)
   float min_distance_squared = 0;  ///< distances below are clamped: no singularity at the light

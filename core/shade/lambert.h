@@ -23,9 +23,9 @@ struct Lambert {
     return diffuse / 3.14159265358979323846 * std::max(0.0, glm::dot(n, wi));
   }
 
-  /// The same as lobes: response = sum over lobes of color * lobe. `colors` holds the first float of
-  /// each lobe's colour; `f(i)` loads float i of the sample vectors. F is a pack of floats or of dual
-  /// numbers, so derivatives need no code here.
+  /// The same as lobes: response = sum over lobes of color * lobe. `colors` holds the first float
+  /// of each lobe's colour; `f(i)` loads float i of the sample vectors. F is a pack of floats or of
+  /// dual numbers, so derivatives need no code here.
   static constexpr int colors[] = {7};
   template <class F, class Load, class Vec>
   static Lobes<F, 1> lobes(const Load& f, const Vec& wi, const Vec& /*wo*/) {

@@ -55,7 +55,9 @@ LightSet make_light_set(std::span<const Light> lights, float scene_radius) {
 
 LobeEvaluator::LobeEvaluator(std::span<const SampleType> types, const LightSet& lights, vec3 eye,
                              InstructionSet set)
-    : lights_(&lights), eye_{eye.x, eye.y, eye.z}, kernels_(lobe_kernels(choose_instruction_set(set))) {
+    : lights_(&lights),
+      eye_{eye.x, eye.y, eye.z},
+      kernels_(lobe_kernels(choose_instruction_set(set))) {
   const auto table = shader_table();
   for (const SampleType& type : types) {
     Shape& shape = shapes_.emplace_back();
@@ -83,12 +85,13 @@ LobeEvaluator::LobeEvaluator(std::span<const SampleType> types, const LightSet& 
 void LobeEvaluator::lobes(int type, const float* vector, float* out) const {
   const Shape& shape = shapes_[type];
   const int columns = lights_->columns();
-  LobeQuery query{shape.shader, vector, eye_, lights_->min_distance_squared, -1, -1, {}, out,
-                  columns,      0};
+  LobeQuery query{shape.shader, vector,  eye_, lights_->min_distance_squared, -1, -1, {},
+                  out,          columns, 0};
   for (int first = 0; first < columns; first += group_lights) {
     const auto& a = lights_->arrays;
     query.out = out + first;
-    kernels_.lobes(query, {lights_->kinds[first / group_lights], group_lights,
+    kernels_.lobes(query, {lights_->kinds[first / group_lights],
+                           group_lights,
                            {&a[0][first], &a[1][first], &a[2][first]},
                            {&a[3][first], &a[4][first], &a[5][first]},
                            &a[6][first],
@@ -108,7 +111,8 @@ void LobeEvaluator::lobes_and_derivatives(int type, const float* vector, vec3 ta
   for (int first = 0; first < columns; first += group_lights) {
     const auto& a = lights_->arrays;
     query.out = out + first;
-    kernels_.lobes_and_derivatives(query, {lights_->kinds[first / group_lights], group_lights,
+    kernels_.lobes_and_derivatives(query, {lights_->kinds[first / group_lights],
+                                           group_lights,
                                            {&a[0][first], &a[1][first], &a[2][first]},
                                            {&a[3][first], &a[4][first], &a[5][first]},
                                            &a[6][first],

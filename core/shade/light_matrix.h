@@ -7,16 +7,16 @@
 
 namespace relume {
 
-/// A set of lights to evaluate samples under, for instance the training lights of TR2007-600 sec. 3.2.
-/// Column j of every matrix below belongs to one light; columns are grouped by the lights' kinds and
-/// each group is padded to a multiple of 16 with copies whose weight is 0.
+/// A set of lights to evaluate samples under, for instance the training lights of TR2007-600
+/// sec. 3.2. Column j of every matrix below belongs to one light; columns are grouped by the
+/// lights' kinds and each group is padded to a multiple of 16 with copies whose weight is 0.
 struct LightSet {
   std::vector<Light> lights;       ///< per column; padding repeats a light of the group
   std::vector<float> weights[3];   ///< per column and channel: color * gain, 0 for padding
   std::vector<float> arrays[8];    ///< per column: position, to_light, cos_outer, inverse_cos_range
   std::vector<LightKernel> kinds;  ///< per group of 16 columns
   float min_distance_squared = 0;
-  int light_count = 0;             ///< l, without padding
+  int light_count = 0;  ///< l, without padding
 
   int columns() const { return static_cast<int>(lights.size()); }
 };
@@ -44,11 +44,13 @@ class LobeEvaluator {
   /// True when the sign of the type's direction means nothing (a strand's tangent).
   bool is_axis(int type) const { return shapes_[type].is_axis; }
 
-  /// out[k * columns + j] = lobe k of the sample vector times the irradiance of light j at weight 1.
+  /// out[k * columns + j] = lobe k of the sample vector times the irradiance of light j at
+  /// weight 1.
   void lobes(int type, const float* vector, float* out) const;
 
-  /// out[(k * 4 + d) * columns + j]: d = 0 the lobe, 1 and 2 its derivatives when the direction turns
-  /// towards the two unit tangents, 3 its derivative with respect to the logarithm of the scalar.
+  /// out[(k * 4 + d) * columns + j]: d = 0 the lobe, 1 and 2 its derivatives when the direction
+  /// turns towards the two unit tangents, 3 its derivative with respect to the logarithm of the
+  /// scalar.
   void lobes_and_derivatives(int type, const float* vector, vec3 tangent0, vec3 tangent1,
                              float* out) const;
 
@@ -70,8 +72,8 @@ class LobeEvaluator {
 };
 
 /// V, the n x l matrix of rendered values of TR2007-600 sec. 3.2: v[(row * 3 + c) * columns + j] is
-/// channel c of sample `row` under light j alone, at the light's own weight, unshadowed. `lobes` are
-/// those of the rows, max_lobes * columns floats each.
+/// channel c of sample `row` under light j alone, at the light's own weight, unshadowed. `lobes`
+/// are those of the rows, max_lobes * columns floats each.
 void shade_rows(const LobeEvaluator& evaluator, int type, const float* vectors, int rows,
                 const float* lobes, float* v);
 

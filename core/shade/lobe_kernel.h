@@ -5,8 +5,9 @@
 
 namespace relume {
 
-inline constexpr int max_lobes = 2;         ///< colours that a shader may have
-inline constexpr int lobe_derivatives = 3;  ///< along two tangents of the direction, and of ln(scalar)
+inline constexpr int max_lobes = 2;  ///< colours that a shader may have
+inline constexpr int lobe_derivatives =
+    3;  ///< along two tangents of the direction, and of ln(scalar)
 
 /// Lights of one kind, one a lane, as arrays of floats; `count` is a multiple of 16.
 struct KernelLightGroup {
@@ -20,15 +21,15 @@ struct KernelLightGroup {
 
 /// One sample vector under one group of lights.
 struct LobeQuery {
-  int shader;                   ///< index into the shader list
-  const float* vector;          ///< one sample vector
-  const float* eye;             ///< 3 floats, world
+  int shader;           ///< index into the shader list
+  const float* vector;  ///< one sample vector
+  const float* eye;     ///< 3 floats, world
   float min_distance_squared;
-  int direction;                ///< derivatives only: first float of the direction field
-  int scalar;                   ///< derivatives only: float of the scalar field, or -1
-  const float* tangents[2];     ///< derivatives only: unit, orthogonal to the direction
-  /// out[k * lobe_stride + light]: lobe k times irradiance. With derivatives, derivative d follows at
-  /// out[k * lobe_stride + (1 + d) * derivative_stride + light].
+  int direction;             ///< derivatives only: first float of the direction field
+  int scalar;                ///< derivatives only: float of the scalar field, or -1
+  const float* tangents[2];  ///< derivatives only: unit, orthogonal to the direction
+  /// out[k * lobe_stride + light]: lobe k times irradiance. With derivatives, derivative d follows
+  /// at out[k * lobe_stride + (1 + d) * derivative_stride + light].
   float* out;
   int lobe_stride;
   int derivative_stride;

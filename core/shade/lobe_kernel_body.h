@@ -38,7 +38,8 @@ void store_lobes(const LobeQuery& query, const KernelLightGroup& group) {
   const V wo = direction_to(V{F(query.eye[0]), F(query.eye[1]), F(query.eye[2])}, p);
   const auto field = [v](int i) { return F(v[i]); };
   for (int first = 0; first < group.count; first += native_width) {
-    const Incident in = incident<kind>(load_lights<kind>(group, first, query.min_distance_squared), p);
+    const Incident in =
+        incident<kind>(load_lights<kind>(group, first, query.min_distance_squared), p);
     const auto lobes = Shader::template lobes<F>(field, in.wi, wo);
     float* out = query.out + first;
     for (const F value : lobes.value) {
@@ -62,7 +63,8 @@ void store_derivatives(const LobeQuery& query, const KernelLightGroup& group) {
     return D(F(v[i]), F(0), F(0), F(i == query.scalar ? v[i] : 0.0f));
   };
   for (int first = 0; first < group.count; first += native_width) {
-    const Incident in = incident<kind>(load_lights<kind>(group, first, query.min_distance_squared), p);
+    const Incident in =
+        incident<kind>(load_lights<kind>(group, first, query.min_distance_squared), p);
     const Vec3<D> wi{D(in.wi.x), D(in.wi.y), D(in.wi.z)};
     const auto lobes = Shader::template lobes<D>(field, wi, wo);
     float* out = query.out + first;
@@ -100,13 +102,14 @@ const LobeTable& lobe_table(ShaderList<Shaders...>, int shader) {
 }
 
 LobeKernels make_lobe_kernels() {
-  return {[](const LobeQuery& query, const KernelLightGroup& group) {
-            lobe_table(AllShaders{}, query.shader).lobes[static_cast<int>(group.kind)](query, group);
-          },
-          [](const LobeQuery& query, const KernelLightGroup& group) {
-            lobe_table(AllShaders{}, query.shader)
-                .derivatives[static_cast<int>(group.kind)](query, group);
-          }};
+  return {
+      [](const LobeQuery& query, const KernelLightGroup& group) {
+        lobe_table(AllShaders{}, query.shader).lobes[static_cast<int>(group.kind)](query, group);
+      },
+      [](const LobeQuery& query, const KernelLightGroup& group) {
+        lobe_table(AllShaders{}, query.shader)
+            .derivatives[static_cast<int>(group.kind)](query, group);
+      }};
 }
 
 }  // namespace relume::RELUME_ISA

@@ -41,8 +41,8 @@ struct Phong {
     const F n_wi = max(dot(n, wi), F(0));
     const F r_wo = max(F(2) * n_wi * dot(n, wo) - dot(wi, wo), F(0));
     const F exponent = f(13);
-    return {{n_wi * F(inv_pi),
-             n_wi * (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(r_wo, exponent)}};
+    return {
+        {n_wi * F(inv_pi), n_wi * (exponent + F(2)) * F(0.5f * inv_pi) * pow_unit(r_wo, exponent)}};
   }
 };
 

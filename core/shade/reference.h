@@ -5,8 +5,8 @@
 
 namespace relume {
 
-/// Below this fraction of the scene's radius, distances to a light are clamped, so that a light that
-/// touches a record stays finite (kernels and reference alike).
+/// Below this fraction of the scene's radius, distances to a light are clamped, so that a light
+/// that touches a record stays finite (kernels and reference alike).
 inline constexpr double min_light_distance = 1e-3;
 
 /// Radiance that one record sends to the eye under `light` at weight 1, without visibility: plain

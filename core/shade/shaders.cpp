@@ -14,6 +14,8 @@ constexpr auto table = make_table(AllShaders{});
 
 }  // namespace
 
-std::span<const ShaderInfo* const> shader_table() { return table; }
+std::span<const ShaderInfo* const> shader_table() {
+  return table;
+}
 
 }  // namespace relume

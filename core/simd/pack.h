@@ -1,9 +1,9 @@
 #pragma once
 
 // The vector unit, wrapped once. A source file that holds kernels for one instruction set defines
-// RELUME_ISA to that set's name before including this header. Everything here lies in a namespace of
-// that name: the linker can never merge code built for different instruction sets. Such a file must
-// not call inline functions from elsewhere (std::, glm::) in its kernels, for the same reason.
+// RELUME_ISA to that set's name before including this header. Everything here lies in a namespace
+// of that name: the linker can never merge code built for different instruction sets. Such a file
+// must not call inline functions from elsewhere (std::, glm::) in its kernels, for the same reason.
 
 #ifndef RELUME_ISA
 #error "define RELUME_ISA (scalar, sse42, avx2, avx512) before including core/simd/pack.h"
@@ -70,28 +70,46 @@ Pack<W> make_pack(typename Pack<W>::Vector v) {
 }
 
 template <int W>
-Pack<W> operator+(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v + b.v); }
+Pack<W> operator+(Pack<W> a, Pack<W> b) {
+  return make_pack<W>(a.v + b.v);
+}
 template <int W>
-Pack<W> operator-(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v - b.v); }
+Pack<W> operator-(Pack<W> a, Pack<W> b) {
+  return make_pack<W>(a.v - b.v);
+}
 template <int W>
-Pack<W> operator*(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v * b.v); }
+Pack<W> operator*(Pack<W> a, Pack<W> b) {
+  return make_pack<W>(a.v * b.v);
+}
 template <int W>
-Pack<W> operator/(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v / b.v); }
+Pack<W> operator/(Pack<W> a, Pack<W> b) {
+  return make_pack<W>(a.v / b.v);
+}
 template <int W>
-Mask<W> operator>(Pack<W> a, Pack<W> b) { return {a.v > b.v}; }
+Mask<W> operator>(Pack<W> a, Pack<W> b) {
+  return {a.v > b.v};
+}
 template <int W>
-Mask<W> operator<(Pack<W> a, Pack<W> b) { return {a.v < b.v}; }
+Mask<W> operator<(Pack<W> a, Pack<W> b) {
+  return {a.v < b.v};
+}
 
 /// Per lane: mask ? a : b.
 template <int W>
-Pack<W> select(Mask<W> mask, Pack<W> a, Pack<W> b) { return make_pack<W>(mask.v ? a.v : b.v); }
+Pack<W> select(Mask<W> mask, Pack<W> a, Pack<W> b) {
+  return make_pack<W>(mask.v ? a.v : b.v);
+}
 
 /// a > b ? a : b: a NaN in `a` gives b.
 template <int W>
-Pack<W> max(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v > b.v ? a.v : b.v); }
+Pack<W> max(Pack<W> a, Pack<W> b) {
+  return make_pack<W>(a.v > b.v ? a.v : b.v);
+}
 /// a < b ? a : b: a NaN in `a` gives b.
 template <int W>
-Pack<W> min(Pack<W> a, Pack<W> b) { return make_pack<W>(a.v < b.v ? a.v : b.v); }
+Pack<W> min(Pack<W> a, Pack<W> b) {
+  return make_pack<W>(a.v < b.v ? a.v : b.v);
+}
 
 /// a * b + c, rounded once where the machine has fused multiply-add and twice elsewhere.
 template <int W>
@@ -210,7 +228,7 @@ Pack<W> exp2(Pack<W> x) {
   using Int = typename Lanes<int32_t, W>::type;
   const Pack<W> clamped = max(x, Pack<W>(-64.0f));
   const Int whole = to_int(clamped + Pack<W>(1024.5f)) - 1024;  // round to nearest
-  const Pack<W> f = clamped - to_float<W>(whole);              // [-0.5, 0.5]
+  const Pack<W> f = clamped - to_float<W>(whole);               // [-0.5, 0.5]
   Pack<W> p = Pack<W>(1.5403530394e-4f);
   p = fma(p, f, Pack<W>(1.3333558146e-3f));
   p = fma(p, f, Pack<W>(9.6181291076e-3f));

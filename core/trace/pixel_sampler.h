@@ -18,8 +18,8 @@ struct PixelStrata {
 /// spp in [1, 4096].
 PixelStrata make_pixel_strata(int spp);
 
-/// One jittered position a cell, in [0, 1)^2 of the pixel, appended to `positions` in scanline order:
-/// a function of (seed, pixel) alone.
+/// One jittered position a cell, in [0, 1)^2 of the pixel, appended to `positions` in scanline
+/// order: a function of (seed, pixel) alone.
 void sample_pixel(const PixelStrata& strata, uint64_t seed, uint64_t pixel,
                   std::vector<vec2>& positions);
 

@@ -50,8 +50,9 @@ uint64_t flattened_bytes(const Prototype& prototype) {
   return bytes;
 }
 
-/// Which prototypes get a copy per instance: all when they fit the budget (3x faster rays), else only
-/// those placed once. A mixture was measured to cost its memory and build time and gain nothing.
+/// Which prototypes get a copy per instance: all when they fit the budget (3x faster rays), else
+/// only those placed once. A mixture was measured to cost its memory and build time and gain
+/// nothing.
 std::vector<bool> choose_flattened(const Scene& scene) {
   std::vector<uint64_t> copies(scene.prototypes.size(), 0);
   for (const Instance& instance : scene.instances) ++copies[instance.prototype];
@@ -117,9 +118,9 @@ struct Tracer::Impl {
   RTCDevice device = nullptr;
   RTCScene top = nullptr;
   std::vector<RTCScene> prototype_scenes;
-  std::vector<std::unique_ptr<Geometry>> geometries;         ///< by geometry id of the top scene
-  std::vector<std::vector<std::unique_ptr<Geometry>>> parts; ///< by prototype and geometry id
-  std::vector<const Instance*> instance_of;                  ///< by geometry id of the top scene
+  std::vector<std::unique_ptr<Geometry>> geometries;          ///< by geometry id of the top scene
+  std::vector<std::vector<std::unique_ptr<Geometry>>> parts;  ///< by prototype and geometry id
+  std::vector<const Instance*> instance_of;                   ///< by geometry id of the top scene
   std::atomic<int64_t> embree_bytes{0};
   TracerStats stats;
   Bounds bounds;
@@ -159,9 +160,8 @@ void Tracer::Impl::check_device() const {
 
 void Tracer::Impl::attach_mesh(RTCGeometry handle, Geometry& geometry) {
   const Mesh& mesh = *geometry.mesh;
-  auto* vertices = static_cast<float*>(
-      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3),
-                              mesh.positions.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3), mesh.positions.size()));
   check_device();
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     const vec3 p = transform_point(geometry.world_from_local, mesh.positions[i]);
@@ -180,9 +180,8 @@ void Tracer::Impl::attach_mesh(RTCGeometry handle, Geometry& geometry) {
 void Tracer::Impl::attach_curves(RTCGeometry handle, Geometry& geometry) {
   const Curves& curves = *geometry.curves;
   const float radius_scale = uniform_scale(geometry.world_from_local);
-  auto* vertices = static_cast<vec4*>(
-      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(vec4),
-                              curves.points.size()));
+  auto* vertices = static_cast<vec4*>(rtcSetNewGeometryBuffer(
+      handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(vec4), curves.points.size()));
   check_device();
   for (size_t i = 0; i < curves.points.size(); ++i) {
     const vec4 p = curves.points[i];
@@ -339,15 +338,15 @@ SurfacePoint Tracer::Impl::strand_point(const Geometry& geometry, const mat4x3& 
   const vec4 p1 = curves.points[first + 1];
   const vec3 wo = -glm::normalize(ray.direction);
   SurfacePoint point;
-  // On the axis: the ribbon that a ray meets turns with the ray (see core/trace/ray_bias.h), and from
-  // the vertices the point is exact at any distance.
+  // On the axis: the ribbon that a ray meets turns with the ray (see core/trace/ray_bias.h), and
+  // from the vertices the point is exact at any distance.
   const vec3 a = transform_point(world_from_local, vec3(p0));
   const vec3 b = transform_point(world_from_local, vec3(p1));
   point.position = a + (b - a) * hit.hit.u;
   point.geometric_normal = vec3(0);
   point.shading_normal = wo;
-  point.tangent = normalize_or(transform_vector(world_from_local, vec3(p1) - vec3(p0)),
-                               make_frame(wo).tangent);
+  point.tangent =
+      normalize_or(transform_vector(world_from_local, vec3(p1) - vec3(p0)), make_frame(wo).tangent);
   const float radius = (p0.w + (p1.w - p0.w) * hit.hit.u) * uniform_scale(world_from_local);
   point.bias = strand_bias(radius);
   point.uv = vec2(hit.hit.u, 0);
@@ -356,7 +355,9 @@ SurfacePoint Tracer::Impl::strand_point(const Geometry& geometry, const mat4x3& 
   return point;
 }
 
-Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) { impl_->build(); }
+Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {
+  impl_->build();
+}
 Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
 
@@ -390,7 +391,11 @@ bool Tracer::occluded(const Ray& ray) const {
   return query.ray.tfar < 0;
 }
 
-const TracerStats& Tracer::stats() const { return impl_->stats; }
-const Bounds& Tracer::bounds() const { return impl_->bounds; }
+const TracerStats& Tracer::stats() const {
+  return impl_->stats;
+}
+const Bounds& Tracer::bounds() const {
+  return impl_->bounds;
+}
 
 }  // namespace relume

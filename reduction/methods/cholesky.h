@@ -6,8 +6,8 @@
 
 namespace relume {
 
-/// Factors the symmetric positive definite n x n matrix `a` (row-major) in place: its lower triangle
-/// becomes L with a = L L^T. False when a pivot is not positive or not finite.
+/// Factors the symmetric positive definite n x n matrix `a` (row-major) in place: its lower
+/// triangle becomes L with a = L L^T. False when a pivot is not positive or not finite.
 inline bool factor_cholesky(std::vector<double>& a, size_t n) {
   for (size_t j = 0; j < n; ++j) {
     double pivot = a[j * n + j];

@@ -28,8 +28,8 @@ bool assign(Run& run) {
     int nearest = 0;
     float least = std::numeric_limits<float>::infinity();
     for (int cluster = 0; cluster < run.k; ++cluster) {
-      const float d = squared_distance(run.features.row(row), run.centroid(cluster),
-                                       run.features.dimensions);
+      const float d =
+          squared_distance(run.features.row(row), run.centroid(cluster), run.features.dimensions);
       if (d < least) {
         least = d;
         nearest = cluster;
@@ -67,8 +67,8 @@ Clustering finish(const Run& run) {
   std::vector<float> least(run.k, std::numeric_limits<float>::infinity());
   for (int row = 0; row < run.features.rows; ++row) {
     const int cluster = run.cluster_of[row];
-    const float d = squared_distance(run.features.row(row), run.centroid(cluster),
-                                     run.features.dimensions);
+    const float d =
+        squared_distance(run.features.row(row), run.centroid(cluster), run.features.dimensions);
     if (nearest[cluster] < 0 || d < least[cluster]) {
       nearest[cluster] = row;
       least[cluster] = d;
@@ -107,16 +107,16 @@ double inertia(const Run& run) {
   return sum;
 }
 
-/// k-means++: each seed is drawn with probability proportional to its squared distance from the seeds
-/// so far; when all remaining rows coincide with seeds, fewer than k come out.
+/// k-means++: each seed is drawn with probability proportional to its squared distance from the
+/// seeds so far; when all remaining rows coincide with seeds, fewer than k come out.
 std::vector<int> plus_plus_seeds(const Features& features, int k, Random& random) {
   std::vector<int> seeds{static_cast<int>(random.below(static_cast<uint32_t>(features.rows)))};
   std::vector<float> nearest(features.rows, std::numeric_limits<float>::infinity());
   while (static_cast<int>(seeds.size()) < k) {
     double total = 0;
     for (int row = 0; row < features.rows; ++row) {
-      const float d = squared_distance(features.row(row), features.row(seeds.back()),
-                                       features.dimensions);
+      const float d =
+          squared_distance(features.row(row), features.row(seeds.back()), features.dimensions);
       nearest[row] = std::min(nearest[row], d);
       total += nearest[row];
     }

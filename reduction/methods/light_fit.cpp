@@ -17,24 +17,24 @@ constexpr float smallest_cone_rad = 0.2f;
 struct Sample {
   int type;
   const float* vector;
-  const float* v;             ///< 3 x columns, scaled
-  const float* lobes;         ///< max_lobes x columns, scaled
+  const float* v;      ///< 3 x columns, scaled
+  const float* lobes;  ///< max_lobes x columns, scaled
 };
 
 struct Pixel {
   const LobeEvaluator& evaluator;
   int columns;
-  float weight;               ///< of one sample
-  std::vector<float> scale;   ///< per column
-  std::vector<float> lobes;   ///< n x max_lobes x columns, scaled and padded with zeros
-  std::vector<float> v;       ///< n x 3 x columns, scaled
+  float weight;              ///< of one sample
+  std::vector<float> scale;  ///< per column
+  std::vector<float> lobes;  ///< n x max_lobes x columns, scaled and padded with zeros
+  std::vector<float> v;      ///< n x 3 x columns, scaled
   std::vector<Sample> samples;
 
   int n() const { return static_cast<int>(samples.size()); }
 };
 
-/// The factor of each column: the light's mean weight, over the size of the pixel's response, so that
-/// everything that follows is of order 1. Nothing when the pixel is black.
+/// The factor of each column: the light's mean weight, over the size of the pixel's response, so
+/// that everything that follows is of order 1. Nothing when the pixel is black.
 std::optional<std::vector<float>> column_scale(const LightSet& lights,
                                                const PixelResponses& responses) {
   double squares = 0;
@@ -43,7 +43,8 @@ std::optional<std::vector<float>> column_scale(const LightSet& lights,
   const double norm = 1 / std::sqrt(squares);
   std::vector<float> scale;
   for (int j = 0; j < responses.columns; ++j) {
-    const double weight = (double{lights.weights[0][j]} + lights.weights[1][j] + lights.weights[2][j]) / 3;
+    const double weight =
+        (double{lights.weights[0][j]} + lights.weights[1][j] + lights.weights[2][j]) / 3;
     scale.push_back(static_cast<float>(weight * norm));
     if (!is_finite(scale.back())) return std::nullopt;
   }
@@ -51,8 +52,8 @@ std::optional<std::vector<float>> column_scale(const LightSet& lights,
 }
 
 /// Scales lobes and recomputes responses to white lights.
-Pixel make_pixel(const LobeEvaluator& evaluator, std::span<const SampleMatrix> matrices, float weight,
-                 const PixelResponses& responses, std::vector<float> scale) {
+Pixel make_pixel(const LobeEvaluator& evaluator, std::span<const SampleMatrix> matrices,
+                 float weight, const PixelResponses& responses, std::vector<float> scale) {
   Pixel pixel{evaluator, responses.columns, weight, std::move(scale), {}, {}, {}};
   const auto columns = static_cast<size_t>(pixel.columns);
   size_t n = 0;
@@ -82,7 +83,8 @@ Pixel make_pixel(const LobeEvaluator& evaluator, std::span<const SampleMatrix> m
   return pixel;
 }
 
-/// Position about the pixel's mean over their spread, and direction: 6 numbers a sample, padded to 16.
+/// Position about the pixel's mean over their spread, and direction: 6 numbers a sample, padded
+/// to 16.
 std::vector<float> shape_features(const Pixel& pixel) {
   std::vector<float> features(static_cast<size_t>(pixel.n()) * 16, 0.0f);
   dvec3 mean(0);
@@ -103,8 +105,8 @@ std::vector<float> shape_features(const Pixel& pixel) {
       out[axis] = static_cast<float>((s.vector[axis] - mean[axis]) * scale);
     }
     const float* direction = s.vector + pixel.evaluator.direction_offset(s.type);
-    const float side = direction[0] * reference[0] + direction[1] * reference[1] +
-                       direction[2] * reference[2];
+    const float side =
+        direction[0] * reference[0] + direction[1] * reference[1] + direction[2] * reference[2];
     // Strand tangents have no sign; turning all types' directions alike keeps normals apart too.
     const float sign = pixel.evaluator.is_axis(s.type) && side < 0 ? -1.0f : 1.0f;
     for (int axis = 0; axis < 3; ++axis) out[3 + axis] = sign * direction[axis];
@@ -137,8 +139,8 @@ std::vector<float> clustering_kernel(const Pixel& pixel, float position_weight) 
 /// One cluster's own target, prior and members.
 struct Cluster {
   std::vector<int> members;
-  std::vector<float> target;          ///< 3 x columns
-  float diffuse[3] = {};              ///< sum over members of the first lobe's colour
+  std::vector<float> target;  ///< 3 x columns
+  float diffuse[3] = {};      ///< sum over members of the first lobe's colour
 };
 
 std::vector<Cluster> make_clusters(const Pixel& pixel, const std::vector<int>& cluster_of) {
@@ -159,8 +161,8 @@ std::vector<Cluster> make_clusters(const Pixel& pixel, const std::vector<int>& c
   return clusters;
 }
 
-/// The record that stands for `cluster` with member `anchor`'s geometry: bounds and prior, colours at
-/// the prior.
+/// The record that stands for `cluster` with member `anchor`'s geometry: bounds and prior, colours
+/// at the prior.
 FitRecord make_record(const Pixel& pixel, const Cluster& cluster, int anchor) {
   const Sample& chosen = pixel.samples[anchor];
   const LobeEvaluator& evaluator = pixel.evaluator;
@@ -169,8 +171,8 @@ FitRecord make_record(const Pixel& pixel, const Cluster& cluster, int anchor) {
   record.vector.assign(chosen.vector, chosen.vector + evaluator.vector_width(chosen.type));
   const int direction = evaluator.direction_offset(chosen.type);
   const int scalar = evaluator.scalar_offset(chosen.type);
-  record.cone_axis = vec3(chosen.vector[direction], chosen.vector[direction + 1],
-                          chosen.vector[direction + 2]);
+  record.cone_axis =
+      vec3(chosen.vector[direction], chosen.vector[direction + 1], chosen.vector[direction + 2]);
   float cosine = std::cos(smallest_cone_rad);
   if (scalar >= 0) record.scalar_low = record.scalar_high = chosen.vector[scalar];
   for (int c = 0; c < 3; ++c) record.prior[0][c] = cluster.diffuse[c];
@@ -214,7 +216,8 @@ float fit_colors(const Pixel& pixel, const Cluster& cluster, int anchor, float m
   float target_squares[3];
   dot_products(sample.lobes, max_lobes, columns, sample.lobes, max_lobes, columns, columns, gram,
                max_lobes);
-  dot_products(sample.lobes, max_lobes, columns, cluster.target.data(), 3, columns, columns, right, 3);
+  dot_products(sample.lobes, max_lobes, columns, cluster.target.data(), 3, columns, columns, right,
+               3);
   float error = 0;
   const float prior0 = mu * gram[0];
   const float prior1 = mu * std::max(gram[3], 0.05f * gram[0]);

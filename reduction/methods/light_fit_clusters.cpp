@@ -15,9 +15,9 @@ struct KernelRun {
   int n;
   int k;
   std::vector<int> cluster_of;
-  std::vector<int> members;      ///< per cluster
-  std::vector<float> within;     ///< per cluster: sum of gram over pairs of members
-  std::vector<float> to_point;   ///< k x n: sum of gram between members and the point
+  std::vector<int> members;     ///< per cluster
+  std::vector<float> within;    ///< per cluster: sum of gram over pairs of members
+  std::vector<float> to_point;  ///< k x n: sum of gram between members and the point
   double inertia = 0;
 
   float at(int i, int j) const { return gram[static_cast<size_t>(i) * n + j]; }
@@ -111,7 +111,12 @@ void run_lloyd(KernelRun& run, const std::vector<int>& seeds) {
 std::vector<int> kernel_kmeans(const std::vector<float>& gram, int n, int k, int restarts,
                                Random& random) {
   CHECK_MSG(k >= 1 && k <= n && gram.size() == static_cast<size_t>(n) * n, "n {} k {}", n, k);
-  KernelRun run{gram, n, k, std::vector<int>(n), std::vector<int>(k), std::vector<float>(k),
+  KernelRun run{gram,
+                n,
+                k,
+                std::vector<int>(n),
+                std::vector<int>(k),
+                std::vector<float>(k),
                 std::vector<float>(static_cast<size_t>(k) * n)};
   std::vector<int> best;
   double least = std::numeric_limits<double>::infinity();

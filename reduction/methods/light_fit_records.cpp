@@ -23,7 +23,8 @@ vec3 direction_of(const FitRecord& record, int offset) {
 vec3 clamp_to_cone(const FitRecord& record, vec3 direction) {
   const float cosine = glm::dot(direction, record.cone_axis);
   if (cosine >= record.cone_cos) return direction;
-  const vec3 side = normalize_or(direction - record.cone_axis * cosine, make_frame(record.cone_axis).tangent);
+  const vec3 side =
+      normalize_or(direction - record.cone_axis * cosine, make_frame(record.cone_axis).tangent);
   const float sine = std::sqrt(std::max(0.0f, 1 - record.cone_cos * record.cone_cos));
   return normalize_or(record.cone_axis * record.cone_cos + side * sine, record.cone_axis);
 }
@@ -37,8 +38,7 @@ void RecordFitter::evaluate(const std::vector<FitRecord>& records, Responses& re
   responses.lobes.resize(records.size() * max_lobes * 4 * columns_);
   for (size_t r = 0; r < records.size(); ++r) {
     const FitRecord& record = records[r];
-    const Frame frame =
-        make_frame(direction_of(record, evaluator_.direction_offset(record.type)));
+    const Frame frame = make_frame(direction_of(record, evaluator_.direction_offset(record.type)));
     float* out = &responses.lobes[r * max_lobes * 4 * columns_];
     const size_t rows = size_t(evaluator_.lobe_count(record.type)) * 4;
     evaluator_.lobes_and_derivatives(record.type, record.vector.data(), frame.tangent,
@@ -83,7 +83,8 @@ double RecordFitter::objective(const std::vector<FitRecord>& records, const Resp
     }
   }
   float squares = 0;
-  dot_products(residual_.data(), 1, 0, residual_.data(), 1, 0, static_cast<int>(length), &squares, 1);
+  dot_products(residual_.data(), 1, 0, residual_.data(), 1, 0, static_cast<int>(length), &squares,
+               1);
   return cost + squares;
 }
 
@@ -121,8 +122,8 @@ void RecordFitter::build_system(const std::vector<FitRecord>& records, const Res
   product(geometry_.data(), n_g, length, residual_.data(), 1, 0, length, b_g_);
   std::vector<double> own_product;
   for (size_t r = 0; r < n; ++r) {
-    product(&geometry_[r * geometry_count * length], geometry_count, length, &own_[r * length], 1, 0,
-            length, own_product);
+    product(&geometry_[r * geometry_count * length], geometry_count, length, &own_[r * length], 1,
+            0, length, own_product);
     for (int p = 0; p < geometry_count; ++p) {
       b_g_[r * geometry_count + p] += rho_ * own_product[p];
       for (int q = 0; q < geometry_count; ++q) {
@@ -136,7 +137,8 @@ void RecordFitter::build_system(const std::vector<FitRecord>& records, const Res
     }
   }
   for (int c = 0; c < 3; ++c) {
-    product(values_.data(), n_v, columns_, &geometry_[c * columns_], n_g, length, columns_, h_vg_[c]);
+    product(values_.data(), n_v, columns_, &geometry_[c * columns_], n_g, length, columns_,
+            h_vg_[c]);
     product(values_.data(), n_v, columns_, &residual_[c * columns_], 1, 0, columns_, b_v_[c]);
     for (size_t r = 0; r < n; ++r) {
       product(&values_[r * max_lobes * columns_], max_lobes, columns_,
@@ -145,7 +147,8 @@ void RecordFitter::build_system(const std::vector<FitRecord>& records, const Res
         const size_t i = r * max_lobes + k;
         b_v_[c][i] += rho_ * own_product[k] +
                       mu_ * energy_[i] * (records[r].color[k][c] - records[r].prior[k][c]);
-        for (int p = 0; p < geometry_count; ++p) h_vg_[c][i * n_g + r * geometry_count + p] *= 1 + rho_;
+        for (int p = 0; p < geometry_count; ++p)
+          h_vg_[c][i * n_g + r * geometry_count + p] *= 1 + rho_;
       }
     }
   }
@@ -217,8 +220,7 @@ std::vector<FitRecord> RecordFitter::step(const std::vector<FitRecord>& records)
     FitRecord& record = moved[r];
     for (int k = 0; k < max_lobes; ++k) {
       for (int c = 0; c < 3; ++c) {
-        const auto value =
-            static_cast<float>(record.color[k][c] - step_v_[c][r * max_lobes + k]);
+        const auto value = static_cast<float>(record.color[k][c] - step_v_[c][r * max_lobes + k]);
         record.color[k][c] = std::clamp(value, 0.0f, record.upper[k][c]);
       }
     }
@@ -235,7 +237,8 @@ std::vector<FitRecord> RecordFitter::step(const std::vector<FitRecord>& records)
     for (int axis = 0; axis < 3; ++axis) record.vector[offset + axis] = turned[axis];
     const int scalar = evaluator_.scalar_offset(record.type);
     if (scalar >= 0) {
-      const double log_step = std::clamp(-g[2], -double{largest_log_step}, double{largest_log_step});
+      const double log_step =
+          std::clamp(-g[2], -double{largest_log_step}, double{largest_log_step});
       const auto value = static_cast<float>(record.vector[scalar] * std::exp(log_step));
       record.vector[scalar] = std::clamp(value, record.scalar_low, record.scalar_high);
     }
@@ -243,8 +246,8 @@ std::vector<FitRecord> RecordFitter::step(const std::vector<FitRecord>& records)
   return moved;
 }
 
-void RecordFitter::fit(std::vector<FitRecord>& records, const std::vector<float>& targets, float rho,
-                       float mu, int steps) {
+void RecordFitter::fit(std::vector<FitRecord>& records, const std::vector<float>& targets,
+                       float rho, float mu, int steps) {
   CHECK_MSG(targets.size() == records.size() * 3 * columns_, "targets {} records {} columns {}",
             targets.size(), records.size(), columns_);
   rho_ = rho;

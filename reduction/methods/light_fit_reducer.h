@@ -6,9 +6,9 @@
 
 namespace relume {
 
-/// Light-Fit pixel by pixel, with buffers kept between pixels, and its guard: of the fitted records and
-/// those of strong k-means the ones with the smaller eq. 2 error on validation lights, which the fit
-/// has not seen, are taken. So Light-Fit is never worse than strong k-means on them.
+/// Light-Fit pixel by pixel, with buffers kept between pixels, and its guard: of the fitted records
+/// and those of strong k-means the ones with the smaller eq. 2 error on validation lights, which
+/// the fit has not seen, are taken. So Light-Fit is never worse than strong k-means on them.
 class LightFitReducer {
  public:
   /// `training` holds both sets of lights and must outlive the reducer.

@@ -106,7 +106,7 @@ def print_table(args, results):
             for k in args.records:
                 error, seconds = results[scene][method, k]
                 base = results[scene]["kmeans", k][0]
-                row.append(f"{error * 250:.2f} ({error / base:.2f}) {seconds:.1f}s")
+                row.append(f"{error * 250:.3g} ({error / base:.2f}) {seconds:.1f}s")
         print(f"| {method} | " + " | ".join(row) + " |", flush=True)
 
 

@@ -1,9 +1,8 @@
-#include "core/shade/light_matrix.h"
-
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
 #include "core/math/frame.h"
+#include "core/shade/light_matrix.h"
 #include "core/shade/reference.h"
 #include "core/shade/shaders.h"
 
@@ -25,7 +24,9 @@ std::vector<Light> mixed_lights() {
   Random random(3, RandomStream::tests, 0);
   for (int i = 0; i < 40; ++i) {
     Light light;
-    light.type = i % 5 == 0 ? LightType::directional : i % 5 == 1 ? LightType::spot : LightType::point;
+    light.type = i % 5 == 0   ? LightType::directional
+                 : i % 5 == 1 ? LightType::spot
+                              : LightType::point;
     light.falloff = i % 2 == 0;
     light.position.x = random.uniform(-3, 3);
     light.position.y = random.uniform(-3, 3);
@@ -72,10 +73,11 @@ TEST_P(LightMatrix, EqualsTheDoubleReference) {
       shade_rows(evaluator, static_cast<int>(t), vector.data(), 1, lobes.data(), v.data());
       for (size_t j = 0; j < columns; ++j) {
         const bool padding = lights.weights[0][j] == 0;
-        const dvec3 unit = reference_response(types[t], vector.data(), lights.lights[j], dvec3(eye),
-                                              scene_radius);
+        const dvec3 unit =
+            reference_response(types[t], vector.data(), lights.lights[j], dvec3(eye), scene_radius);
         for (size_t c = 0; c < 3; ++c) {
-          const double expected = padding ? 0 : unit[c] * lights.lights[j].weight()[static_cast<int>(c)];
+          const double expected =
+              padding ? 0 : unit[c] * lights.lights[j].weight()[static_cast<int>(c)];
           ASSERT_NEAR(v[c * columns + j], expected, 2e-4 * (0.1 + std::abs(expected)))
               << types[t].name << " light " << j;
         }

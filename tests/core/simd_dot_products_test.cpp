@@ -1,10 +1,9 @@
-#include "core/simd/dot_products.h"
-
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "core/base/random.h"
+#include "core/simd/dot_products.h"
 
 namespace relume::test {
 namespace {

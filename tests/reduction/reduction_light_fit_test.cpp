@@ -1,11 +1,10 @@
-#include "reduction/methods/light_fit.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "core/shade/shaders.h"
 #include "reduction/methods/cholesky.h"
+#include "reduction/methods/light_fit.h"
 #include "reduction/methods/light_fit_clusters.h"
 #include "reduction/training.h"
 
@@ -35,8 +34,8 @@ struct Pixel {
       values[t].insert(values[t].end(), v.begin(), v.end());
     }
     for (size_t t = 0; t < types.size(); ++t) {
-      matrices.push_back({&types[t], values[t].data(),
-                          static_cast<int>(values[t].size()) / types[t].width});
+      matrices.push_back(
+          {&types[t], values[t].data(), static_cast<int>(values[t].size()) / types[t].width});
     }
   }
 };
@@ -50,7 +49,8 @@ TrainingSet make_lights(const Pixel& pixel, uint64_t seed) {
   Bounds scene;
   scene.extend(vec3(-1));
   scene.extend(vec3(1));
-  return make_training_set(make_mixed_training_lights(low, high, scene, 64, seed), pixel.types, eye, 1);
+  return make_training_set(make_mixed_training_lights(low, high, scene, 64, seed), pixel.types, eye,
+                           1);
 }
 
 std::vector<FittedRecord> run_fit(const Pixel& pixel, const TrainingSet& training, int n, int k,
@@ -92,7 +92,8 @@ TEST(LightFit, MoreRecordsLowerTheErrorOnHeldOutLights) {
     for (uint64_t seed = 0; seed < 20; ++seed) {
       const Pixel pixel(25, seed);
       const TrainingSet training = make_lights(pixel, 0);
-      error += error_under(pixel, make_lights(pixel, 99), run_fit(pixel, training, 25, k, true), 25);
+      error +=
+          error_under(pixel, make_lights(pixel, 99), run_fit(pixel, training, 25, k, true), 25);
     }
     EXPECT_LT(error, previous) << "k " << k;
     previous = error;

@@ -31,7 +31,8 @@ struct Setting {
 
   SampleTile reduce(const SampleTile& tile, ReductionMethod method, int k) const {
     TrainingSet training = make_training_set(lights, types, eye, radius);
-    training.validation = std::make_unique<TrainingSet>(make_training_set(lights, types, eye, radius));
+    training.validation =
+        std::make_unique<TrainingSet>(make_training_set(lights, types, eye, radius));
     ReductionParams params;
     params.method = method;
     params.records = k;
@@ -60,7 +61,8 @@ int count_of(const SampleTile& tile, int pixel) {
 void expect_sound(const SampleTile& samples, const SampleTile& records, int k, bool unit = true) {
   ASSERT_EQ(records.types.size(), samples.types.size());
   for (int pixel = 0; pixel < samples.pixel_count(); ++pixel) {
-    ASSERT_NEAR(coverage_of(records, pixel), coverage_of(samples, pixel), 1e-5) << "pixel " << pixel;
+    ASSERT_NEAR(coverage_of(records, pixel), coverage_of(samples, pixel), 1e-5)
+        << "pixel " << pixel;
     ASSERT_LE(count_of(records, pixel), k);
     ASSERT_EQ(count_of(records, pixel) == 0, count_of(samples, pixel) == 0);
   }
@@ -96,7 +98,8 @@ class EveryMethod : public testing::TestWithParam<ReductionMethod> {
   void for_each_row(SampleTile& tile, const Body& body) const {
     for (size_t t = 0; t < tile.types.size(); ++t) {
       const auto width = static_cast<size_t>(setting_.types[t].width);
-      for (size_t r = 0; r < tile.types[t].rows(); ++r) body(&tile.types[t].values[r * width], width);
+      for (size_t r = 0; r < tile.types[t].rows(); ++r)
+        body(&tile.types[t].values[r * width], width);
     }
   }
   Setting setting_;
@@ -213,7 +216,9 @@ TEST_P(EveryMethod, SurvivesAllBlackResponses) {
   for (Light& light : setting_.lights) light.color = vec3(0);
   expect_sound_for_all_k(tile);
   setting_ = Setting();
-  for_each_row(tile, [](float* v, size_t width) { std::fill(v + 7, v + std::min<size_t>(13, width), 0.0f); });
+  for_each_row(tile, [](float* v, size_t width) {
+    std::fill(v + 7, v + std::min<size_t>(13, width), 0.0f);
+  });
   expect_sound_for_all_k(tile);
 }
 
@@ -287,8 +292,7 @@ TEST_P(EveryMethod, TrainingIsAskedForWhereItIsNeeded) {
 std::vector<ReductionMethod> reducing_methods() {
   std::vector<ReductionMethod> methods;
   for (const auto& row : reduction_method_labels) {
-    const bool keeps_all =
-        row.value == ReductionMethod::all || row.value == ReductionMethod::pure;
+    const bool keeps_all = row.value == ReductionMethod::all || row.value == ReductionMethod::pure;
     if (!keeps_all) methods.push_back(row.value);
   }
   return methods;

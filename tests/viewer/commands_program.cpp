@@ -49,7 +49,8 @@ void expect_one_line_error(const Outcome& outcome, int exit_code, const std::str
 std::string scene_with(const std::string& geometry, const std::string& material) {
   return R"({"name": "t", "image": {"width": 32, "height": 32},
     "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "fov_y_deg": 40},
-    "materials": [)" + material + R"(], "geometry": [)" + geometry + R"(],
+    "materials": [)" +
+         material + R"(], "geometry": [)" + geometry + R"(],
     "lights": [{"name": "key", "type": "point", "position": [1, 2, 3], "gain": 20}]})";
 }
 
@@ -66,8 +67,9 @@ TEST(Program, RefusesUnknownCommandsWithTwo) {
 
 TEST(Program, NamesFileAndFieldOfABadScene) {
   const TemporaryFolder folder;
-  write_all(folder.file("bad.json"),
-            scene_with(R"({"generator": "sphere", "radius": -1, "material": "grey"})", plain_material));
+  write_all(
+      folder.file("bad.json"),
+      scene_with(R"({"generator": "sphere", "radius": -1, "material": "grey"})", plain_material));
   expect_one_line_error(run_relume(folder, "render bad.json -q -o f.exr"), 3, "/geometry/0/radius");
   write_all(folder.file("cut.json"), R"({"name": "t", "image": {"width")");
   expect_one_line_error(run_relume(folder, "render cut.json -q -o f.exr"), 3, "cut.json");
@@ -78,7 +80,8 @@ TEST(Program, NamesFileAndFieldOfABadScene) {
 TEST(Program, RefusesATruncatedObj) {
   const TemporaryFolder folder;
   write_all(folder.file("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2");
-  write_all(folder.file("s.json"), scene_with(R"({"file": "t.obj", "material": "grey"})", plain_material));
+  write_all(folder.file("s.json"),
+            scene_with(R"({"file": "t.obj", "material": "grey"})", plain_material));
   expect_one_line_error(run_relume(folder, "render s.json -q -o f.exr"), 3, "t.obj");
 }
 
@@ -90,9 +93,8 @@ TEST(Program, RefusesATruncatedHairFile) {
   header[8] = 90;  // points
   header[12] = 2;  // arrays: points
   write_all(folder.file("t.hair"), header + "short");
-  write_all(folder.file("s.json"),
-            scene_with(R"({"file": "t.hair", "material": "h"})",
-                       R"({"name": "h", "shader": "kajiya-kay"})"));
+  write_all(folder.file("s.json"), scene_with(R"({"file": "t.hair", "material": "h"})",
+                                              R"({"name": "h", "shader": "kajiya-kay"})"));
   expect_one_line_error(run_relume(folder, "render s.json -q -o f.exr"), 3, "t.hair");
 }
 
@@ -103,9 +105,10 @@ TEST(Program, RefusesATruncatedTexture) {
   write_png(folder.file("t.png"), image);
   const std::string whole = read_all(folder.file("t.png"));
   write_all(folder.file("t.png"), whole.substr(0, whole.size() / 2));
-  write_all(folder.file("s.json"),
-            scene_with(R"({"generator": "sphere", "material": "grey"})",
-                       R"({"name": "grey", "shader": "lambert", "diffuse": {"texture": "t.png"}})"));
+  write_all(
+      folder.file("s.json"),
+      scene_with(R"({"generator": "sphere", "material": "grey"})",
+                 R"({"name": "grey", "shader": "lambert", "diffuse": {"texture": "t.png"}})"));
   expect_one_line_error(run_relume(folder, "render s.json -q -o f.exr"), 3, "t.png");
 }
 
@@ -130,7 +133,8 @@ TEST(Program, RendersTheSameFromSceneAndCacheForAnyThreadCount) {
   ASSERT_EQ(run_relume(folder, "prepare hair -o c.relume " + options).exit_code, 0);
   ASSERT_EQ(run_relume(folder, "render c.relume -q -o cache.exr --threads 1").exit_code, 0);
   ASSERT_EQ(run_relume(folder, "render hair -o scene.exr --threads 3 " + options).exit_code, 0);
-  EXPECT_EQ(read_image(folder.file("cache.exr")).pixels, read_image(folder.file("scene.exr")).pixels);
+  EXPECT_EQ(read_image(folder.file("cache.exr")).pixels,
+            read_image(folder.file("scene.exr")).pixels);
 }
 
 TEST(Program, ComparesKmeansWithAllSamples) {
@@ -161,18 +165,19 @@ TEST(Program, LightLayersSumToBeauty) {
 
 TEST(Program, DemoWritesItsPicturesWithoutADisplay) {
   const TemporaryFolder folder;
-  const Outcome outcome =
-      run_relume(folder, std::string("demo --offscreen out ") + small);
+  const Outcome outcome = run_relume(folder, std::string("demo --offscreen out ") + small);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const char* name : {"frame.png", "frame.exr", "reference.png", "heatmap.png", "before.png",
-                           "after.png"}) {
+  for (const char* name :
+       {"frame.png", "frame.exr", "reference.png", "heatmap.png", "before.png", "after.png"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.file("out") / name)) << name;
   }
-  EXPECT_NE(read_all(folder.file("out") / "before.png"), read_all(folder.file("out") / "after.png"));
+  EXPECT_NE(read_all(folder.file("out") / "before.png"),
+            read_all(folder.file("out") / "after.png"));
 }
 
-/// Golden pictures: 64 x 64, 9 spp, 4 records, traced shadows, scalar kernels. Embree's own code differs
-/// between processors, so a hit at an edge may fall on either side: the thresholds say how many may.
+/// Golden pictures: 64 x 64, 9 spp, 4 records, traced shadows, scalar kernels. Embree's own code
+/// differs between processors, so a hit at an edge may fall on either side: the thresholds say how
+/// many may.
 class Golden : public testing::TestWithParam<const char*> {};
 
 TEST_P(Golden, FrameLooksAsItDid) {
@@ -180,9 +185,9 @@ TEST_P(Golden, FrameLooksAsItDid) {
   const std::string scene = GetParam();
   const std::filesystem::path golden =
       std::filesystem::path(RELUME_SOURCE_DIR) / "tests/golden" / (scene + ".exr");
-  const Outcome outcome =
-      run_relume(folder, "render " + scene +
-                             " -q --width 64 --height 64 --spp 9 --records 4 --isa scalar -o f.exr");
+  const Outcome outcome = run_relume(
+      folder,
+      "render " + scene + " -q --width 64 --height 64 --spp 9 --records 4 --isa scalar -o f.exr");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   if (std::getenv("RELUME_UPDATE_GOLDEN") != nullptr) {
     std::filesystem::create_directories(golden.parent_path());
@@ -194,9 +199,8 @@ TEST_P(Golden, FrameLooksAsItDid) {
   const ImageError error = compare_images(frame, reference);
   EXPECT_LT(error.error_covered, 0.01 * error.reference_mean);
   const Image difference = error_image(frame, reference);
-  const auto wrong = std::count_if(
-      difference.pixels.begin(), difference.pixels.end(),
-      [&](float d) { return d > 0.1 * error.reference_mean; });
+  const auto wrong = std::count_if(difference.pixels.begin(), difference.pixels.end(),
+                                   [&](float d) { return d > 0.1 * error.reference_mean; });
   EXPECT_LT(wrong, 0.02 * static_cast<double>(difference.pixels.size()));
 }
 

@@ -22,8 +22,7 @@ CLI::Option* add_label(CLI::App& app, const std::string& name, E& value,
     if (!found) throw CLI::ValidationError("'" + text + "' is not one of " + label_list(labels));
     value = *found;
   };
-  return app
-      .add_option_function<std::string>(name, parse, help + ": " + label_list(labels))
+  return app.add_option_function<std::string>(name, parse, help + ": " + label_list(labels))
       ->default_str(std::string(label_of(labels, value)));
 }
 
@@ -149,10 +148,9 @@ void add_compare(CLI::App& app, Parsed& p) {
 }
 
 void add_bench(CLI::App& app, Parsed& p) {
-  CLI::App& sub = add_command(app, p, "bench",
-                              "Time the stages, each beside its floor measured in the same run",
-                              "  relume bench hair --records 8 --json",
-                              [&p] { return run_bench(p.bench, p.common); });
+  CLI::App& sub = add_command(
+      app, p, "bench", "Time the stages, each beside its floor measured in the same run",
+      "  relume bench hair --records 8 --json", [&p] { return run_bench(p.bench, p.common); });
   sub.add_option("scene", p.bench.scene, "scene label, file or cache")->capture_default_str();
   sub.add_option("--repeats", p.bench.repeats, "runs of each, the least counts")
       ->check(CLI::Range(1, 1000))
@@ -161,10 +159,9 @@ void add_bench(CLI::App& app, Parsed& p) {
 }
 
 void add_info(CLI::App& app, Parsed& p) {
-  CLI::App& sub =
-      add_command(app, p, "info", "Say what a scene, cache or image holds",
-                  "  relume info hair\n  relume info hair.relume --json",
-                  [&p] { return run_info(p.info, p.common); });
+  CLI::App& sub = add_command(app, p, "info", "Say what a scene, cache or image holds",
+                              "  relume info hair\n  relume info hair.relume --json",
+                              [&p] { return run_info(p.info, p.common); });
   sub.add_option("input", p.info.input, "scene, cache or image")->required();
 }
 
@@ -179,11 +176,13 @@ int run_parsed(const Parsed& parsed) {
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
-  CLI::App app{"Relume: moves lights through final-quality hair and foliage in real time", "relume"};
+  CLI::App app{"Relume: moves lights through final-quality hair and foliage in real time",
+               "relume"};
   app.set_version_flag("--version", fmt::format("relume {} ({})", relume_version, relume_commit));
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output, "
-             "130 interrupted");
+  app.footer(
+      "Exit codes: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output, "
+      "130 interrupted");
   Parsed parsed;
   add_demo(app, parsed);
   add_view(app, parsed);

@@ -14,8 +14,8 @@ int run_compare(const CompareOptions& options, const CommonOptions& common);
 int run_bench(const BenchOptions& options, const CommonOptions& common);
 int run_info(const InfoOptions& options, const CommonOptions& common);
 
-/// Parses the command line and runs the command it names. Prints one line on stderr for an Error and
-/// returns its exit code: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output,
+/// Parses the command line and runs the command it names. Prints one line on stderr for an Error
+/// and returns its exit code: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output,
 /// 130 interrupted.
 int run_command_line(int argc, const char* const* argv);
 

@@ -36,8 +36,7 @@ void make_folder(const std::filesystem::path& folder) {
 
 /// Everything that the window would show, as files.
 int write_pictures(const RelightInput& input, const std::filesystem::path& folder,
-                   const DemoOptions& options, const Timer& timer,
-                   const CommonOptions& common) {
+                   const DemoOptions& options, const Timer& timer, const CommonOptions& common) {
   make_folder(folder);
   const CacheInfo& info = input.cache->info();
   const DisplayTransform display{.exposure = info.exposure};
@@ -61,8 +60,8 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
   write_png(folder / "heatmap.png",
             render_heatmap(error_image(state.frame, reference.frame), {.range = 0.1f}));
 
-  const RelightStats moved = relight(state, move_first_light(info.lights, info.bounds),
-                                     shadows.get());
+  const RelightStats moved =
+      relight(state, move_first_light(info.lights, info.bounds), shadows.get());
   save_frame(state, display, folder / "after.png");
 
   const double lights = std::max<double>(1, static_cast<double>(info.lights.size()));
@@ -78,8 +77,8 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
                   {"error", error.error_covered},
                   {"reference_mean", error.reference_mean},
                   {"folder", std::filesystem::absolute(folder).string()}}});
-  for (const char* name : {"frame.png", "frame.exr", "reference.png", "heatmap.png", "before.png",
-                           "after.png"}) {
+  for (const char* name :
+       {"frame.png", "frame.exr", "reference.png", "heatmap.png", "before.png", "after.png"}) {
     fmt::print(stderr, "wrote {}\n", (folder / name).string());
   }
   return 0;

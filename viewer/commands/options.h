@@ -15,11 +15,11 @@ namespace relume {
 
 /// Understood by every command.
 struct CommonOptions {
-  int threads = 0;     ///< 0 = all
+  int threads = 0;  ///< 0 = all
   uint64_t seed = 0;
   bool quiet = false;
   bool verbose = false;
-  bool json = false;   ///< print figures as JSON on stdout
+  bool json = false;  ///< print figures as JSON on stdout
 };
 
 /// How a scene becomes records, where a command is given a scene instead of a cache.
@@ -30,7 +30,7 @@ struct PrepareOptions {
   int training_lights = 200;
   bool train_shadows = false;
   ReductionPreset preset = ReductionPreset::standard;
-  int width = 0;   ///< pixels; 0 = the scene's
+  int width = 0;  ///< pixels; 0 = the scene's
   int height = 0;
 };
 
@@ -70,8 +70,8 @@ struct CompareOptions {
   std::filesystem::path image;
   std::filesystem::path reference;
   std::optional<std::filesystem::path> heatmap;
-  double range = 0;              ///< of the heatmap; 0 = automatic
-  std::optional<double> fail;    ///< exit 1 when eq. 7 over all pixels is above
+  double range = 0;            ///< of the heatmap; 0 = automatic
+  std::optional<double> fail;  ///< exit 1 when eq. 7 over all pixels is above
 };
 
 struct BenchOptions {

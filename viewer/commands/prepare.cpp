@@ -35,8 +35,8 @@ int run_prepare(const PrepareCommandOptions& options, const CommonOptions& commo
                   {"sample_count", static_cast<int64_t>(info.sample_count)},
                   {"record_count", static_cast<int64_t>(info.record_count)},
                   {"cache_bytes", static_cast<int64_t>(cache.size_bytes())},
-                  {"bytes_per_record", stored / static_cast<double>(std::max<uint64_t>(
-                                                    1, info.record_count))},
+                  {"bytes_per_record",
+                   stored / static_cast<double>(std::max<uint64_t>(1, info.record_count))},
                   {"peak_bytes", static_cast<int64_t>(peak_bytes)},
                   {"peak_over_stored", static_cast<double>(peak_bytes) / stored}}});
   return 0;

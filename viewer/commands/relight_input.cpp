@@ -35,10 +35,9 @@ Scene scene_of_cache(const CacheInfo& info, const std::string& place) {
   try {
     return parse_scene(info.scene_text, info.scene_file, shader_table());
   } catch (const Error& error) {
-    throw input_error(place,
-                      fmt::format("traced shadows need the scene it was made from ({})",
-                                  error.what()),
-                      "put the files back or use --shadow none");
+    throw input_error(
+        place, fmt::format("traced shadows need the scene it was made from ({})", error.what()),
+        "put the files back or use --shadow none");
   }
 }
 
@@ -87,9 +86,9 @@ RelightInput open_input(const std::string& input, const PrepareOptions& prepare,
     return result;
   }
   RelightInput result = open_scene(input, common);
-  result.cache = prepare_in_memory(*result.scene, *result.tracer,
-                                   make_prepare_params(prepare, common),
-                                   make_terminal_progress(common.quiet));
+  result.cache =
+      prepare_in_memory(*result.scene, *result.tracer, make_prepare_params(prepare, common),
+                        make_terminal_progress(common.quiet));
   return result;
 }
 

@@ -19,9 +19,9 @@ struct RelightInput {
 /// Loads a scene and builds its ray tracer.
 RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common);
 
-/// A scene (label or path), prepared in memory as `prepare` says, or a .relume cache. A cache's scene
-/// is loaded only when `need_tracer`, from the text stored in the cache; generated and unchanged files
-/// give the geometry that the cache was made from.
+/// A scene (label or path), prepared in memory as `prepare` says, or a .relume cache. A cache's
+/// scene is loaded only when `need_tracer`, from the text stored in the cache; generated and
+/// unchanged files give the geometry that the cache was made from.
 RelightInput open_input(const std::string& input, const PrepareOptions& prepare, bool need_tracer,
                         const CommonOptions& common);
 

@@ -34,32 +34,32 @@ RenderOptions resolve_reference(RenderOptions options) {
 int run_render(const RenderOptions& asked, const CommonOptions& common) {
   const RenderOptions options = resolve_reference(asked);
   const Timer timer;
-  const RelightInput input = open_input(options.input, options.prepare,
-                                        options.shadow != ShadowMethod::none, common);
+  const RelightInput input =
+      open_input(options.input, options.prepare, options.shadow != ShadowMethod::none, common);
   const CacheInfo& info = input.cache->info();
   const double prepare_ms = timer.ms();
 
-  const auto shadows =
-      input.tracer ? make_shadow(options.shadow, *input.tracer) : nullptr;
+  const auto shadows = input.tracer ? make_shadow(options.shadow, *input.tracer) : nullptr;
   RelightState state = make_relight_state(*input.cache);
   const RelightStats stats = relight(state, choose_lights(options, info), shadows.get(),
                                      {.instruction_set = options.instruction_set});
 
   save_frame(state, {.exposure = options.exposure.value_or(info.exposure), .curve = options.curve},
              options.output);
-  print_figures("relume-render-1", common,
-                {{{"scene", info.scene_name},
-                  {"method", info.method},
-                  {"records", int64_t{info.records}},
-                  {"spp", int64_t{info.spp}},
-                  {"shadow", std::string(label_of(shadow_method_labels, options.shadow))},
-                  {"lights", static_cast<int64_t>(state.lights.size())},
-                  {"output", options.output.string()},
-                  {"ms_prepare", prepare_ms},
-                  {"ms_light", (stats.prepare_ms + stats.shade_ms) / std::max(1, stats.layers_shaded)},
-                  {"ms_combine", stats.combine_ms},
-                  {"record_count", static_cast<int64_t>(info.record_count)},
-                  {"replaced_values", static_cast<int64_t>(stats.replaced_values)}}});
+  print_figures(
+      "relume-render-1", common,
+      {{{"scene", info.scene_name},
+        {"method", info.method},
+        {"records", int64_t{info.records}},
+        {"spp", int64_t{info.spp}},
+        {"shadow", std::string(label_of(shadow_method_labels, options.shadow))},
+        {"lights", static_cast<int64_t>(state.lights.size())},
+        {"output", options.output.string()},
+        {"ms_prepare", prepare_ms},
+        {"ms_light", (stats.prepare_ms + stats.shade_ms) / std::max(1, stats.layers_shaded)},
+        {"ms_combine", stats.combine_ms},
+        {"record_count", static_cast<int64_t>(info.record_count)},
+        {"replaced_values", static_cast<int64_t>(stats.replaced_values)}}});
   return 0;
 }
 

@@ -11,7 +11,8 @@
 namespace relume {
 namespace {
 
-/// Light names as channel prefixes: characters that separate layers become '_', repeats get a number.
+/// Light names as channel prefixes: characters that separate layers become '_', repeats get a
+/// number.
 std::vector<std::string> layer_prefixes(const std::vector<Light>& lights) {
   std::vector<std::string> prefixes;
   std::set<std::string> used;

@@ -8,8 +8,9 @@
 
 namespace relume {
 
-/// Writes state.frame: a path that ends in .exr gets scene-linear beauty (R, G, B), one layer per light
-/// (light.<name>.R ...) that sum to it, coverage (A) and metadata; any other a PNG through `display`.
+/// Writes state.frame: a path that ends in .exr gets scene-linear beauty (R, G, B), one layer per
+/// light (light.<name>.R ...) that sum to it, coverage (A) and metadata; any other a PNG through
+/// `display`.
 void save_frame(const RelightState& state, const DisplayTransform& display,
                 const std::filesystem::path& path);
 

@@ -62,7 +62,8 @@ std::unique_ptr<const Training> make_training(const Scene& scene, const ViewSamp
       training->shadows.push_back(std::make_unique<TracedVisibility>(*view.tracer));
       training->shadows.back()->prepare(light);
     }
-    training->set.visibility.push_back(light.casts_shadow ? training->shadows.back().get() : nullptr);
+    training->set.visibility.push_back(light.casts_shadow ? training->shadows.back().get()
+                                                          : nullptr);
   }
   return training;
 }
@@ -93,8 +94,8 @@ CacheInfo make_info(const Scene& scene, const ViewSampler& view, const PreparePa
   info.bounds = bounds;
   info.method = label_of(reduction_method_labels, params.reduction.method);
   info.spp = view.strata.spp;
-  info.records = params.reduction.method == ReductionMethod::all ? info.spp
-                                                                 : params.reduction.records;
+  info.records =
+      params.reduction.method == ReductionMethod::all ? info.spp : params.reduction.records;
   info.seed = params.reduction.seed;
   info.sample_count = samples;
   info.scene_name = scene.name;
@@ -112,10 +113,10 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
   ReductionParams reduction = params.reduction;
   reduction.scene_radius = std::max(tracer.bounds().radius(), 1e-30f);
   const bool pure = reduction.method == ReductionMethod::pure;
-  const ViewSampler view = make_view_sampler(
-      scene, tracer, params.width > 0 ? params.width : scene.width,
-      params.height > 0 ? params.height : scene.height, pure ? reduction.records : params.spp,
-      reduction.seed);
+  const ViewSampler view =
+      make_view_sampler(scene, tracer, params.width > 0 ? params.width : scene.width,
+                        params.height > 0 ? params.height : scene.height,
+                        pure ? reduction.records : params.spp, reduction.seed);
   const auto training = make_training(scene, view, reduction, params.training);
   const auto tiles = static_cast<size_t>(tile_count(view));
   Progress progress(callback, "prepare " + scene.name);

@@ -13,15 +13,15 @@ namespace relume {
 
 /// From a scene to records, tile by tile: sample -> reduce -> pack.
 struct PrepareParams {
-  int spp = 25;              ///< samples per pixel, [1, 1024]; method pure takes `records` instead
+  int spp = 25;  ///< samples per pixel, [1, 1024]; method pure takes `records` instead
   ReductionParams reduction;
-  TrainingParams training;   ///< used by methods that need it
-  int width = 0;             ///< pixels; 0 = the scene's
-  int height = 0;            ///< pixels; 0 = the scene's
+  TrainingParams training;  ///< used by methods that need it
+  int width = 0;            ///< pixels; 0 = the scene's
+  int height = 0;           ///< pixels; 0 = the scene's
 };
 
 struct PrepareStats {
-  double sample_ms = 0;      ///< time of each stage, summed over threads
+  double sample_ms = 0;  ///< time of each stage, summed over threads
   double reduce_ms = 0;
   double pack_ms = 0;
   uint64_t samples = 0;
