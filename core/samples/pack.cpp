@@ -47,6 +47,17 @@ void pack_slot(const TypedRows& rows, std::span<const int> lanes, uint32_t slot,
   }
 }
 
+float pixel_coverage(const SampleTile& tile, int pixel) {
+  if (!tile.coverage.empty()) return tile.coverage[pixel];
+  float coverage = 0;
+  for (const TypedRows& rows : tile.types) {
+    for (uint32_t row = rows.first[pixel]; row < rows.first[pixel + 1]; ++row) {
+      coverage += rows.weights[row];
+    }
+  }
+  return coverage;
+}
+
 void pack_block(const SampleTile& tile, std::span<const SampleType> types,
                 std::span<const int> lanes, PackedTileData& packed) {
   std::vector<std::byte> header(block_stride(types.size()));
@@ -93,13 +104,8 @@ PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> 
     pack_block(records, types, std::span(pixels).subspan(i, lanes), packed);
   }
   for (int pixel = 0; pixel < records.pixel_count(); ++pixel) {
-    float coverage = 0;
-    for (const TypedRows& rows : records.types) {
-      for (uint32_t row = rows.first[pixel]; row < rows.first[pixel + 1]; ++row) {
-        coverage += rows.weights[row];
-      }
-    }
-    // A pixel with any record counts as covered, however little.
+    const float coverage = pixel_coverage(records, pixel);
+    // A pixel that geometry touches counts as covered, however little.
     const float code = std::min(255.0f, std::ceil(coverage * 255.0f - 0.5f));
     packed.coverage.push_back(static_cast<uint8_t>(coverage > 0 ? std::max(1.0f, code) : 0.0f));
   }

@@ -21,13 +21,20 @@ struct TypedRows {
 
 /// A tile of the deep framebuffer: the typed sample vectors of up to 16 x 16 pixels, in sampling
 /// order within a pixel and type. The same shape holds the tile's reduced records: then a row is a
-/// record. The weights of a pixel, over all types, sum to its coverage (samples that hit / spp).
+/// record. The weights of a pixel, over all types, sum to its coverage (samples that hit / spp),
+/// unless it has no records at all.
 struct SampleTile {
   int x0 = 0;  ///< pixels, top left
   int y0 = 0;
   int width = 0;
   int height = 0;
   std::vector<TypedRows> types;  ///< parallel to SampleTypes::types
+  /// Records only, per pixel or empty: the pixel's coverage where a budget may have left it without
+  /// records (empty: the sum of its weights).
+  std::vector<float> coverage;
+  /// Records only, per pixel or empty: the RMS over RGB and over lights held back from the fit of
+  /// what reduction changed, unshadowed, in the units of the picture.
+  std::vector<float> predicted_error;
 
   int pixel_count() const { return width * height; }
   size_t row_count() const {
