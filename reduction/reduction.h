@@ -46,9 +46,8 @@ inline constexpr std::array reduction_method_labels = {
 /// True for methods that look at samples under training lights: reduce_tile needs a TrainingSet.
 bool needs_training(ReductionMethod method);
 
-/// True for Light-Fit, which takes evenly spread lights (make_mixed_training_lights) and a
-/// validation set beside them.
-bool needs_validation(ReductionMethod method);
+/// True for Light-Fit, whose training lights are spread evenly (make_mixed_training_lights).
+bool is_light_fit(ReductionMethod method);
 
 /// True for the methods that TR2007-600 measures: PURE, K-means and Light Metric 1 to 6.
 bool is_report_method(ReductionMethod method);
@@ -71,7 +70,14 @@ struct ReductionParams {
   int restarts = 4;          ///< strong k-means, C-means: k-means++ starts, best inertia wins
   uint64_t seed = 0;
   float scene_radius = 1;  ///< world; the unit of positions in scaled features
+  /// > 0: every pixel takes the k up to `records` of least predicted error + record_cost * k; see
+  /// solve_record_cost. 0: k = `records` everywhere. In units of the picture.
+  float record_cost = 0;
+  bool predict_error = false;  ///< fill SampleTile::predicted_error whatever the method
 };
+
+/// True when validation lights are asked for: by Light-Fit, a budget, or predict_error.
+bool needs_validation(const ReductionParams& params);
 
 /// The report's own choices for one of its methods, those of its experiment 1 (sec. 4.2): k = 8,
 /// raw units, the first k samples as seeds, types may be lost. Its lights:
@@ -80,12 +86,19 @@ ReductionParams report_faithful_params(ReductionMethod method);
 
 struct TrainingSet;
 
+/// The lights that a reduction looks at, made for the same types. Not owned.
+struct ReductionLights {
+  const TrainingSet* training = nullptr;    ///< for methods that need training
+  const TrainingSet* validation = nullptr;  ///< others, to judge what was fitted to those
+};
+
 /// Reduces every pixel of a tile. `samples` and the result share the types' order; the weights of a
-/// pixel sum to the same coverage. Deterministic in (samples, params, absolute pixel position); no
-/// thread or neighbour changes a pixel. `image_width` turns a position into the pixel's number.
-/// `training` is made for the same types; methods that need none ignore it. Thread-safe.
+/// pixel sum to the same coverage, unless the budget leaves it without records. Deterministic in
+/// (samples, params, lights, absolute pixel position); no thread or neighbour changes a pixel.
+/// `image_width` turns a position into the pixel's number. Fills predicted_error where validation
+/// lights are needed anyway. Thread-safe.
 SampleTile reduce_tile(const SampleTile& samples, std::span<const SampleType> types,
                        const ReductionParams& params, int image_width,
-                       const TrainingSet* training = nullptr);
+                       const ReductionLights& lights = {});
 
 }  // namespace relume

@@ -152,7 +152,7 @@ TrainingSet make_training_set(std::span<const Light> lights, std::span<const Sam
   CHECK(!lights.empty());
   auto set = std::make_unique<const LightSet>(make_light_set(lights, scene_radius));
   LobeEvaluator evaluator(types, *set, eye);
-  return {std::move(set), std::move(evaluator), {}, nullptr};
+  return {std::move(set), std::move(evaluator), {}};
 }
 
 void evaluate_training(const TrainingSet& training, std::span<const SampleMatrix> matrices,

@@ -26,8 +26,6 @@ struct TrainingSet {
   /// Per column of *lights, prepared for lights->lights[column]: what shadows it. Null: no shadow.
   /// An empty vector: none anywhere. Not owned; columns of padding may be null.
   std::vector<const VisibilitySource*> visibility;
-  /// Other lights, to judge what was fitted to these; null for methods that do not ask.
-  std::unique_ptr<const TrainingSet> validation;
 };
 
 /// l lights, each a random interpolation between the scene's two representative lights, every

@@ -125,6 +125,12 @@ void write_file_atomic(const std::filesystem::path& path, const std::string& tex
   write_file_atomic(path, std::as_bytes(std::span(text)));
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw output_error(folder.string(), error.message(), "choose another folder");
+}
+
 std::string read_text_file(const std::filesystem::path& path, uint64_t max_bytes) {
   const MappedFile file(path);
   const std::span<const std::byte> bytes = file.bytes();

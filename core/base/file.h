@@ -59,6 +59,9 @@ class AtomicFile {
 void write_file_atomic(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file_atomic(const std::filesystem::path& path, const std::string& text);
 
+/// Makes a folder and those above it, where missing. Throws Error(output).
+void make_folder(const std::filesystem::path& folder);
+
 /// The whole of a text file. Throws Error(input) when it cannot be read and Error(limit) when it is
 /// larger than `max_bytes`.
 std::string read_text_file(const std::filesystem::path& path, uint64_t max_bytes);

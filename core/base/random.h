@@ -36,6 +36,7 @@ enum class RandomStream : uint32_t {
   scatter = 4,
   strands = 5,
   tests = 6,
+  planning = 7,
 };
 
 /// A sequence of random numbers for one (seed, stream, index) triple, for instance one pixel,

@@ -81,32 +81,12 @@ int tiles_across(int pixels) {
   return (pixels + tile_size - 1) / tile_size;
 }
 
-}  // namespace
-
-ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int width, int height,
-                              int spp, uint64_t seed) {
-  return {&scene,
-          &tracer,
-          make_sample_types(scene),
-          CameraRays(scene.camera, width, height),
-          make_pixel_strata(spp),
-          seed,
-          width,
-          height,
-          resolve_parameters(scene)};
-}
-
-int tile_count(const ViewSampler& view) {
-  return tiles_across(view.width) * tiles_across(view.height);
-}
-
-SampleTile sample_tile(const ViewSampler& view, int index) {
-  const int across = tiles_across(view.width);
+SampleTile sample_rectangle(const ViewSampler& view, const TileRectangle& place) {
   SampleTile tile;
-  tile.x0 = index % across * tile_size;
-  tile.y0 = index / across * tile_size;
-  tile.width = std::min(tile_size, view.width - tile.x0);
-  tile.height = std::min(tile_size, view.height - tile.y0);
+  tile.x0 = place.x0;
+  tile.y0 = place.y0;
+  tile.width = place.width;
+  tile.height = place.height;
   tile.types.resize(view.types.types.size());
   for (TypedRows& rows : tile.types) rows.first.push_back(0);
   const float weight = 1.0f / static_cast<float>(view.strata.spp);
@@ -128,6 +108,41 @@ SampleTile sample_tile(const ViewSampler& view, int index) {
     for (TypedRows& rows : tile.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));
   }
   return tile;
+}
+
+}  // namespace
+
+ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int width, int height,
+                              int spp, uint64_t seed) {
+  return {&scene,
+          &tracer,
+          make_sample_types(scene),
+          CameraRays(scene.camera, width, height),
+          make_pixel_strata(spp),
+          seed,
+          width,
+          height,
+          resolve_parameters(scene)};
+}
+
+int tile_count(const ViewSampler& view) {
+  return tiles_across(view.width) * tiles_across(view.height);
+}
+
+TileRectangle tile_rectangle(const ViewSampler& view, int index) {
+  const int across = tiles_across(view.width);
+  const int x0 = index % across * tile_size;
+  const int y0 = index / across * tile_size;
+  return {x0, y0, std::min(tile_size, view.width - x0), std::min(tile_size, view.height - y0)};
+}
+
+SampleTile sample_tile(const ViewSampler& view, int index) {
+  return sample_rectangle(view, tile_rectangle(view, index));
+}
+
+SampleTile sample_one_pixel(const ViewSampler& view, int x, int y) {
+  CHECK_MSG(x >= 0 && x < view.width && y >= 0 && y < view.height, "pixel {} {}", x, y);
+  return sample_rectangle(view, {x, y, 1, 1});
 }
 
 }  // namespace relume

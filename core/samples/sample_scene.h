@@ -32,10 +32,22 @@ ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int widt
 /// Number of tiles of the view, row by row.
 int tile_count(const ViewSampler& view);
 
+/// Where tile `index` of the view lies; pixels.
+struct TileRectangle {
+  int x0 = 0;
+  int y0 = 0;
+  int width = 0;
+  int height = 0;
+};
+TileRectangle tile_rectangle(const ViewSampler& view, int index);
+
 /// Samples tile `index` of the view: traces strata.spp rays a pixel and turns each hit into the
 /// sample vector of its material's type, with textures baked in, weight 1 / spp. Misses leave
 /// nothing: they only lower the coverage. Every stored value is finite; a hit that would break that
 /// is dropped and counted. A function of (scene, view, index) alone.
 SampleTile sample_tile(const ViewSampler& view, int index);
+
+/// The same for the single pixel (x, y), as a tile of one pixel: bit-equal to its part of the tile.
+SampleTile sample_one_pixel(const ViewSampler& view, int x, int y);
 
 }  // namespace relume

@@ -20,6 +20,7 @@ std::span<const int> colors_of(ShaderList<Shaders...>, const ShaderInfo* shader)
 
 void append_column(LightSet& set, const Light& light, const KernelLight& kernel, bool padding) {
   set.lights.push_back(light);
+  set.padding.push_back(padding);
   const vec3 weight = padding ? vec3(0) : light.weight();
   for (int c = 0; c < 3; ++c) {
     set.weights[c].push_back(weight[c]);

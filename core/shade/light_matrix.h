@@ -18,6 +18,8 @@ struct LightSet {
   float min_distance_squared = 0;
   int light_count = 0;  ///< l, without padding
 
+  std::vector<bool> padding;  ///< per column
+
   int columns() const { return static_cast<int>(lights.size()); }
 };
 
@@ -33,6 +35,7 @@ class LobeEvaluator {
                 InstructionSet set = InstructionSet::automatic);
 
   const LightSet& lights() const { return *lights_; }
+  int type_count() const { return static_cast<int>(shapes_.size()); }
   /// Floats per sample vector of a type.
   int vector_width(int type) const { return shapes_[type].width; }
   /// Number of lobes (colours) of a type, and the first float of lobe k's colour.

@@ -13,129 +13,6 @@ namespace {
 
 constexpr float smallest_cone_rad = 0.2f;
 
-/// All samples of a pixel in one list, types mixed.
-struct Sample {
-  int type;
-  const float* vector;
-  const float* v;      ///< 3 x columns, scaled
-  const float* lobes;  ///< max_lobes x columns, scaled
-};
-
-struct Pixel {
-  const LobeEvaluator& evaluator;
-  int columns;
-  float weight;              ///< of one sample
-  std::vector<float> scale;  ///< per column
-  std::vector<float> lobes;  ///< n x max_lobes x columns, scaled and padded with zeros
-  std::vector<float> v;      ///< n x 3 x columns, scaled
-  std::vector<Sample> samples;
-
-  int n() const { return static_cast<int>(samples.size()); }
-};
-
-/// The factor of each column: the light's mean weight, over the size of the pixel's response, so
-/// that everything that follows is of order 1. Nothing when the pixel is black.
-std::optional<std::vector<float>> column_scale(const LightSet& lights,
-                                               const PixelResponses& responses) {
-  double squares = 0;
-  for (const float value : responses.target) squares += double{value} * value;
-  if (!(squares > 0) || !std::isfinite(squares)) return std::nullopt;
-  const double norm = 1 / std::sqrt(squares);
-  std::vector<float> scale;
-  for (int j = 0; j < responses.columns; ++j) {
-    const double weight =
-        (double{lights.weights[0][j]} + lights.weights[1][j] + lights.weights[2][j]) / 3;
-    scale.push_back(static_cast<float>(weight * norm));
-    if (!is_finite(scale.back())) return std::nullopt;
-  }
-  return scale;
-}
-
-/// Scales lobes and recomputes responses to white lights.
-Pixel make_pixel(const LobeEvaluator& evaluator, std::span<const SampleMatrix> matrices,
-                 float weight, const PixelResponses& responses, std::vector<float> scale) {
-  Pixel pixel{evaluator, responses.columns, weight, std::move(scale), {}, {}, {}};
-  const auto columns = static_cast<size_t>(pixel.columns);
-  size_t n = 0;
-  for (const SampleMatrix& matrix : matrices) n += static_cast<size_t>(matrix.rows);
-  pixel.lobes.assign(n * max_lobes * columns, 0.0f);
-  pixel.v.assign(n * 3 * columns, 0.0f);
-  for (size_t t = 0; t < matrices.size(); ++t) {
-    const int type = static_cast<int>(t);
-    for (int row = 0; row < matrices[t].rows; ++row) {
-      const size_t i = pixel.samples.size();
-      const float* vector = matrices[t].row(row);
-      float* lobes = &pixel.lobes[i * max_lobes * columns];
-      float* v = &pixel.v[i * 3 * columns];
-      for (int k = 0; k < evaluator.lobe_count(type); ++k) {
-        const float* source =
-            &responses.lobes[t][(static_cast<size_t>(row) * max_lobes + k) * columns];
-        float* lobe = lobes + k * columns;
-        for (size_t j = 0; j < columns; ++j) lobe[j] = source[j] * pixel.scale[j];
-        for (int c = 0; c < 3; ++c) {
-          const float color = vector[evaluator.color_offset(type, k) + c];
-          for (size_t j = 0; j < columns; ++j) v[c * columns + j] += color * lobe[j];
-        }
-      }
-      pixel.samples.push_back({type, vector, v, lobes});
-    }
-  }
-  return pixel;
-}
-
-/// Position about the pixel's mean over their spread, and direction: 6 numbers a sample, padded
-/// to 16.
-std::vector<float> shape_features(const Pixel& pixel) {
-  std::vector<float> features(static_cast<size_t>(pixel.n()) * 16, 0.0f);
-  dvec3 mean(0);
-  for (const Sample& s : pixel.samples) mean += dvec3(s.vector[0], s.vector[1], s.vector[2]);
-  mean /= pixel.n();
-  double spread = 0;
-  for (const Sample& s : pixel.samples) {
-    const dvec3 d = dvec3(s.vector[0], s.vector[1], s.vector[2]) - mean;
-    spread += glm::dot(d, d);
-  }
-  const double scale = spread > 0 ? std::sqrt(pixel.n() / spread) : 0;
-  const Sample& first = pixel.samples.front();
-  const float* reference = first.vector + pixel.evaluator.direction_offset(first.type);
-  for (int i = 0; i < pixel.n(); ++i) {
-    const Sample& s = pixel.samples[i];
-    float* out = &features[static_cast<size_t>(i) * 16];
-    for (int axis = 0; axis < 3; ++axis) {
-      out[axis] = static_cast<float>((s.vector[axis] - mean[axis]) * scale);
-    }
-    const float* direction = s.vector + pixel.evaluator.direction_offset(s.type);
-    const float side =
-        direction[0] * reference[0] + direction[1] * reference[1] + direction[2] * reference[2];
-    // Strand tangents have no sign; turning all types' directions alike keeps normals apart too.
-    const float sign = pixel.evaluator.is_axis(s.type) && side < 0 ? -1.0f : 1.0f;
-    for (int axis = 0; axis < 3; ++axis) out[3 + axis] = sign * direction[axis];
-  }
-  return features;
-}
-
-/// Kernel of the clustering: response Gram matrix over its trace plus shape Gram over its.
-std::vector<float> clustering_kernel(const Pixel& pixel, float position_weight) {
-  const int n = pixel.n();
-  const size_t size = static_cast<size_t>(n) * n;
-  std::vector<float> kernel(size);
-  std::vector<float> shape(size);
-  dot_products(pixel.v.data(), n, 3 * pixel.columns, pixel.v.data(), n, 3 * pixel.columns,
-               3 * pixel.columns, kernel.data(), n);
-  const std::vector<float> features = shape_features(pixel);
-  dot_products(features.data(), n, 16, features.data(), n, 16, 16, shape.data(), n);
-  float response_trace = 0;
-  float shape_trace = 0;
-  for (int i = 0; i < n; ++i) {
-    response_trace += kernel[static_cast<size_t>(i) * n + i];
-    shape_trace += shape[static_cast<size_t>(i) * n + i];
-  }
-  const float a = response_trace > 0 ? 1 / response_trace : 0;
-  const float b = shape_trace > 0 ? position_weight / shape_trace : 0;
-  for (size_t i = 0; i < size; ++i) kernel[i] = a * kernel[i] + b * shape[i];
-  return kernel;
-}
-
 /// One cluster's own target, prior and members.
 struct Cluster {
   std::vector<int> members;
@@ -143,14 +20,14 @@ struct Cluster {
   float diffuse[3] = {};      ///< sum over members of the first lobe's colour
 };
 
-std::vector<Cluster> make_clusters(const Pixel& pixel, const std::vector<int>& cluster_of) {
+std::vector<Cluster> make_clusters(const FitPixel& pixel, const std::vector<int>& cluster_of) {
   const int count = 1 + *std::max_element(cluster_of.begin(), cluster_of.end());
   std::vector<Cluster> clusters(count);
   const size_t length = static_cast<size_t>(3) * pixel.columns;
   for (Cluster& cluster : clusters) cluster.target.assign(length, 0.0f);
   for (int i = 0; i < pixel.n(); ++i) {
     Cluster& cluster = clusters[cluster_of[i]];
-    const Sample& sample = pixel.samples[i];
+    const FitSample& sample = pixel.samples[i];
     cluster.members.push_back(i);
     for (size_t x = 0; x < length; ++x) cluster.target[x] += pixel.weight * sample.v[x];
     for (int c = 0; c < 3; ++c) {
@@ -163,8 +40,8 @@ std::vector<Cluster> make_clusters(const Pixel& pixel, const std::vector<int>& c
 
 /// The record that stands for `cluster` with member `anchor`'s geometry: bounds and prior, colours
 /// at the prior.
-FitRecord make_record(const Pixel& pixel, const Cluster& cluster, int anchor) {
-  const Sample& chosen = pixel.samples[anchor];
+FitRecord make_record(const FitPixel& pixel, const Cluster& cluster, int anchor) {
+  const FitSample& chosen = pixel.samples[anchor];
   const LobeEvaluator& evaluator = pixel.evaluator;
   FitRecord record;
   record.type = chosen.type;
@@ -177,7 +54,7 @@ FitRecord make_record(const Pixel& pixel, const Cluster& cluster, int anchor) {
   if (scalar >= 0) record.scalar_low = record.scalar_high = chosen.vector[scalar];
   for (int c = 0; c < 3; ++c) record.prior[0][c] = cluster.diffuse[c];
   for (const int i : cluster.members) {
-    const Sample& member = pixel.samples[i];
+    const FitSample& member = pixel.samples[i];
     if (member.type != chosen.type) continue;
     const float* d = member.vector + direction;
     const float side = glm::dot(record.cone_axis, vec3(d[0], d[1], d[2]));
@@ -207,9 +84,9 @@ FitRecord make_record(const Pixel& pixel, const Cluster& cluster, int anchor) {
 
 /// Colours of `record` that fit the cluster's target best with the anchor's own lobes, held by the
 /// prior; returns the squared error. One 2 x 2 non-negative problem per channel.
-float fit_colors(const Pixel& pixel, const Cluster& cluster, int anchor, float mu,
+float fit_colors(const FitPixel& pixel, const Cluster& cluster, int anchor, float mu,
                  FitRecord& record) {
-  const Sample& sample = pixel.samples[anchor];
+  const FitSample& sample = pixel.samples[anchor];
   const int columns = pixel.columns;
   float gram[max_lobes * max_lobes];
   float right[max_lobes * 3];
@@ -250,7 +127,7 @@ float fit_colors(const Pixel& pixel, const Cluster& cluster, int anchor, float m
 }
 
 /// The member whose lobes fit the cluster best, with its colours.
-FitRecord choose_anchor(const Pixel& pixel, const Cluster& cluster, float mu) {
+FitRecord choose_anchor(const FitPixel& pixel, const Cluster& cluster, float mu) {
   std::optional<FitRecord> best;
   float least = 0;
   for (const int i : cluster.members) {
@@ -263,7 +140,7 @@ FitRecord choose_anchor(const Pixel& pixel, const Cluster& cluster, float mu) {
   return *best;
 }
 
-FittedRecord finish_record(const Pixel& pixel, const Cluster& cluster, const FitRecord& fitted) {
+FittedRecord finish_record(const FitPixel& pixel, const Cluster& cluster, const FitRecord& fitted) {
   FittedRecord record{fitted.type, pixel.weight * static_cast<float>(cluster.members.size()),
                       fitted.vector};
   for (int k = 0; k < pixel.evaluator.lobe_count(fitted.type); ++k) {
@@ -275,69 +152,44 @@ FittedRecord finish_record(const Pixel& pixel, const Cluster& cluster, const Fit
   return record;
 }
 
-bool applies(const LobeEvaluator& evaluator, std::span<const SampleMatrix> matrices) {
-  for (size_t t = 0; t < matrices.size(); ++t) {
-    const int type = static_cast<int>(t);
-    if (matrices[t].rows == 0) continue;
-    if (evaluator.direction_offset(type) < 0 || evaluator.lobe_count(type) < 1) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-std::vector<FittedRecord> light_fit(const LobeEvaluator& evaluator,
-                                    std::span<const SampleMatrix> matrices, float weight_per_sample,
-                                    const PixelResponses& responses, const LightFitParams& params,
-                                    Random& random) {
-  if (!applies(evaluator, matrices)) return {};
-  auto scale = column_scale(evaluator.lights(), responses);
-  if (!scale) return {};
-  const Pixel pixel =
-      make_pixel(evaluator, matrices, weight_per_sample, responses, std::move(*scale));
-  CHECK_MSG(pixel.n() > params.records, "samples {} records {}", pixel.n(), params.records);
-  const std::vector<float> kernel = clustering_kernel(pixel, params.position_weight);
-  if (!std::all_of(kernel.begin(), kernel.end(), [](float x) { return is_finite(x); })) return {};
+LightFit::LightFit(const LobeEvaluator& evaluator, const LightFitParams& params)
+    : evaluator_(evaluator), params_(params), pixel_(evaluator) {
+  for (int type = 0; type < evaluator.type_count(); ++type) {
+    is_fitted_.push_back(evaluator.direction_offset(type) >= 0 && evaluator.lobe_count(type) >= 1);
+  }
+}
+
+bool LightFit::load(std::span<const SampleMatrix> matrices, float weight_per_sample) {
+  if (!pixel_.load(matrices, weight_per_sample, is_fitted_)) return false;
+  pixel_.make_kernel(params_.position_weight);
+  return std::all_of(pixel_.kernel.begin(), pixel_.kernel.end(),
+                     [](float x) { return is_finite(x); });
+}
+
+std::vector<FittedRecord> LightFit::fit(int k, Random& random) {
+  CHECK_MSG(k >= 1 && k < pixel_.n(), "samples {} records {}", pixel_.n(), k);
   const std::vector<Cluster> clusters = make_clusters(
-      pixel, kernel_kmeans(kernel, pixel.n(), params.records, params.restarts, random));
-  RecordFitter fitter(evaluator, pixel.scale);
+      pixel_, kernel_kmeans(pixel_.kernel, pixel_.n(), k, params_.restarts, random));
+  RecordFitter fitter(evaluator_, pixel_.scale);
   std::vector<FitRecord> records;
   std::vector<float> targets;
   for (const Cluster& cluster : clusters) {
-    std::vector<FitRecord> one{choose_anchor(pixel, cluster, params.mu)};
-    fitter.fit(one, cluster.target, 0, params.mu, params.cluster_steps);
+    std::vector<FitRecord> one{choose_anchor(pixel_, cluster, params_.mu)};
+    fitter.fit(one, cluster.target, 0, params_.mu, params_.cluster_steps);
     records.push_back(std::move(one.front()));
     targets.insert(targets.end(), cluster.target.begin(), cluster.target.end());
   }
-  if (params.joint) fitter.fit(records, targets, params.rho, params.mu, params.joint_steps);
+  if (params_.joint) fitter.fit(records, targets, params_.rho, params_.mu, params_.joint_steps);
   std::vector<FittedRecord> result;
   for (size_t r = 0; r < records.size(); ++r) {
-    result.push_back(finish_record(pixel, clusters[r], records[r]));
+    result.push_back(finish_record(pixel_, clusters[r], records[r]));
     for (const float x : result.back().vector) {
       if (!is_finite(x)) return {};
     }
   }
   return result;
-}
-
-double response_error(const LobeEvaluator& evaluator, std::span<const FittedRecord> records,
-                      std::span<const float> target) {
-  const LightSet& lights = evaluator.lights();
-  const auto columns = static_cast<size_t>(lights.columns());
-  std::vector<float> sum(3 * columns, 0.0f);
-  std::vector<float> lobes(max_lobes * columns);
-  std::vector<float> v(3 * columns);
-  for (const FittedRecord& record : records) {
-    evaluator.lobes(record.type, record.vector.data(), lobes.data());
-    shade_rows(evaluator, record.type, record.vector.data(), 1, lobes.data(), v.data());
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] += record.weight * v[i];
-  }
-  double squares = 0;
-  for (size_t i = 0; i < sum.size(); ++i) {
-    const double d = double{sum[i]} - target[i];
-    squares += d * d;
-  }
-  return squares / (3.0 * std::max(1, lights.light_count));
 }
 
 }  // namespace relume

@@ -1,8 +1,7 @@
 #pragma once
 
 #include "core/base/random.h"
-#include "core/samples/sample_tile.h"
-#include "reduction/pixel_responses.h"
+#include "reduction/methods/light_fit_pixel.h"
 
 namespace relume {
 
@@ -11,7 +10,6 @@ namespace relume {
 /// cluster's summed response, and polishes all records together on TR2007-600 eq. 2. Where the
 /// report picks or averages samples, this solves for the record.
 struct LightFitParams {
-  int records = 8;                ///< k, >= 1
   bool joint = true;              ///< polish all records together ("full"); false is "fast"
   int restarts = 4;               ///< of the clustering
   int cluster_steps = 4;          ///< Levenberg-Marquardt steps per cluster
@@ -26,25 +24,41 @@ struct LightFitParams {
   float mu = 0.01f;
 };
 
-/// One pixel's records: their vectors by type, ready to be appended.
+/// One fitted record: its vector, ready to be appended to the rows of its type.
 struct FittedRecord {
   int type = 0;
   float weight = 0;  ///< sum of its members' weights
   std::vector<float> vector;
 };
 
-/// Fits the records of one pixel. `matrices` are its samples by type (at least records + 1 in all),
-/// each of weight `weight_per_sample`; `responses` as evaluate_responses fills them for the same
-/// evaluator. Empty when the method does not apply: a type without a fitted direction or colours,
-/// or all responses black. Anchors (position, bias) are always one member's. Deterministic.
-std::vector<FittedRecord> light_fit(const LobeEvaluator& evaluator,
-                                    std::span<const SampleMatrix> matrices, float weight_per_sample,
-                                    const PixelResponses& responses, const LightFitParams& params,
-                                    Random& random);
+/// Fits the records of one pixel after the other: load() one, then fit() for any k. Buffers are kept;
+/// one object a thread.
+class LightFit {
+ public:
+  /// `evaluator` must outlive the object.
+  LightFit(const LobeEvaluator& evaluator, const LightFitParams& params);
 
-/// Mean over the evaluator's lights and RGB of the squared difference between the summed response
-/// of `records` and `target` (3 x columns), eq. 2: for the guard and for error prediction.
-double response_error(const LobeEvaluator& evaluator, std::span<const FittedRecord> records,
-                      std::span<const float> target);
+  /// True when records of this type can be fitted: it declares a direction and colours (design.md,
+  /// shader contract). Others are reduced by the report's categories.
+  bool fits_type(int type) const { return is_fitted_[type]; }
+
+  /// Evaluates the samples of one pixel, by type, each of weight `weight_per_sample`. Types that do
+  /// not fit are left out. False when there is nothing to fit: no samples, or all responses black
+  /// or not finite.
+  bool load(std::span<const SampleMatrix> matrices, float weight_per_sample);
+
+  /// Samples of the loaded pixel that are of fitted types.
+  int sample_count() const { return pixel_.n(); }
+
+  /// At most k records, 1 <= k < sample_count(). Empty when a value is not finite. Anchors (position,
+  /// bias) are always one member's. Deterministic in the pixel, k and `random`.
+  std::vector<FittedRecord> fit(int k, Random& random);
+
+ private:
+  const LobeEvaluator& evaluator_;
+  LightFitParams params_;
+  std::vector<bool> is_fitted_;  ///< per type
+  FitPixel pixel_;
+};
 
 }  // namespace relume

@@ -41,9 +41,18 @@ void add_prepare(CLI::App& app, PrepareOptions& options) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   add_label(app, "--method", options.method, reduction_method_labels, "reduction method");
-  app.add_option("--records", options.records, "records per pixel kept (k)")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  app.add_option("--records", options.records,
+                 "records per pixel kept (k); default 8, at most 16 under a budget")
+      ->check(CLI::Range(1, 64));
+  app.add_option("--average-records", options.budget.average_records,
+                 "budget: every pixel its own k, so many on average")
+      ->check(CLI::Range(0.01, 64.0));
+  app.add_option("--target-error", options.budget.target_error,
+                 "budget: as few records as keep the predicted error to this fraction of the "
+                 "picture's mean")
+      ->check(CLI::Range(1e-6, 1.0));
+  app.add_flag("--predict-error", options.predict_error,
+               "store a map of predicted error (light-fit and budgets always do)");
   app.add_option("--training-lights", options.training_lights,
                  "random lights that light metrics are trained on (l)")
       ->check(CLI::Range(1, 4096))
@@ -68,6 +77,7 @@ struct Parsed {
   CompareOptions compare;
   BenchOptions bench;
   InfoOptions info;
+  StudyOptions study;
   Command command;
 };
 
@@ -165,6 +175,55 @@ void add_info(CLI::App& app, Parsed& p) {
   sub.add_option("input", p.info.input, "scene, cache or image")->required();
 }
 
+void add_study(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(
+      app, p, "study", "Measure speed against accuracy over methods, scenes and budgets",
+      "  relume study methods --quick\n  relume study methods scenes/real/fur.json --methods "
+      "kmeans strong-kmeans light-fit -o out",
+      [&p] { return run_study(p.study, p.common); });
+  StudyOptions& o = p.study;
+  sub.add_option("name", o.name, "methods: TR2007-600's experiment 1 without shadows")
+      ->required()
+      ->check(CLI::IsMember({"methods"}));
+  sub.add_option("scenes", o.scenes, "scene labels or files")->capture_default_str();
+  sub.add_option("-o,--output", o.output, "folder for methods.json and methods.csv");
+  sub.add_flag("--quick", o.quick, "minutes: 16 lights and a part of each picture");
+  const auto add_method = [&o](const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+      const auto found = value_of(reduction_method_labels, name);
+      if (!found) {
+        throw CLI::ValidationError("'" + name + "' is not one of " +
+                                   label_list(reduction_method_labels));
+      }
+      o.methods.push_back(*found);
+    }
+  };
+  sub.add_option_function<std::vector<std::string>>("--methods", add_method,
+                                                    "reduction methods; default: all");
+  sub.add_option("--records", o.records, "records per pixel (k)")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  sub.add_option("--average-records", o.average_records, "budgets of light-fit; 0 = none")
+      ->check(CLI::Range(0.0, 64.0))
+      ->capture_default_str();
+  sub.add_option("--lights", o.lights, "test lights; 0 = 50, quick 16")->check(CLI::Range(0, 4096));
+  sub.add_option("--training-lights", o.training_lights, "lights that light metrics are trained on")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  sub.add_flag("--train-shadows", o.train_shadows, "train with traced shadows");
+  sub.add_option("--spp", o.spp, "samples per pixel in")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  sub.add_option("--truth-spp", o.truth_spp,
+                 "compare with an independent picture of so many samples; 0 = with all samples in")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  sub.add_option("--width", o.width, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
+  sub.add_option("--height", o.height, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
+  sub.add_option("--tile-stride", o.tile_stride, "measure every n-th tile; 0 = all, quick a part")
+      ->check(CLI::Range(0, 1 << 20));
+}
+
 int run_parsed(const Parsed& parsed) {
   set_thread_count(parsed.common.threads);
   install_interrupt_handler();
@@ -191,6 +250,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_compare(app, parsed);
   add_bench(app, parsed);
   add_info(app, parsed);
+  add_study(app, parsed);
   try {
     app.parse(argc, argv);
     return run_parsed(parsed);

@@ -13,6 +13,7 @@ int run_render(const RenderOptions& options, const CommonOptions& common);
 int run_compare(const CompareOptions& options, const CommonOptions& common);
 int run_bench(const BenchOptions& options, const CommonOptions& common);
 int run_info(const InfoOptions& options, const CommonOptions& common);
+int run_study(const StudyOptions& options, const CommonOptions& common);
 
 /// Parses the command line and runs the command it names. Prints one line on stderr for an Error
 /// and returns its exit code: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output,

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/base/file.h"
 #include "core/base/error.h"
 #include "core/base/timer.h"
 #include "core/image/heatmap.h"
@@ -26,12 +27,6 @@ std::vector<Light> move_first_light(std::vector<Light> lights, const Bounds& bou
   light.position = bounds.center() + turn(light.position - bounds.center());
   light.direction = turn(light.direction);
   return lights;
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw output_error(folder.string(), error.message(), "choose another folder");
 }
 
 /// Everything that the window would show, as files.

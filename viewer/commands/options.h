@@ -3,9 +3,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/image/display_transform.h"
 #include "core/simd/instruction_set.h"
+#include "reduction/budget.h"
 #include "reduction/reduction.h"
 #include "shadow/shadow.h"
 
@@ -26,7 +28,9 @@ struct CommonOptions {
 struct PrepareOptions {
   int spp = 25;
   ReductionMethod method = ReductionMethod::strong_kmeans;
-  int records = 8;
+  std::optional<int> records;  ///< k; default 8, or at most 16 under a budget
+  RecordBudget budget;
+  bool predict_error = false;
   int training_lights = 200;
   bool train_shadows = false;
   ReductionPreset preset = ReductionPreset::standard;
@@ -78,6 +82,24 @@ struct BenchOptions {
   std::string scene = "hair";
   int repeats = 5;
   PrepareOptions prepare;
+};
+
+struct StudyOptions {
+  std::string name;  ///< methods
+  std::vector<std::string> scenes{"hair", "plants", "spheres"};
+  std::optional<std::filesystem::path> output;  ///< folder for methods.json, .csv and .md
+  bool quick = false;                           ///< a part of the picture, fewer lights
+  std::vector<ReductionMethod> methods;         ///< empty = all
+  std::vector<int> records{8, 4, 2};            ///< k
+  std::vector<double> average_records{4, 3, 2};  ///< of Light-Fit under a budget
+  int lights = 0;                               ///< test lights; 0 = 50, quick 16
+  int training_lights = 200;
+  bool train_shadows = false;
+  int spp = 25;
+  int truth_spp = 0;  ///< > 0: compare with an independent picture of so many samples
+  int width = 0;      ///< pixels; 0 = the scene's
+  int height = 0;
+  int tile_stride = 0;  ///< measure every n-th tile; 0 = 1, quick: about 24 tiles
 };
 
 struct InfoOptions {

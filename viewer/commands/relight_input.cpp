@@ -65,7 +65,20 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
   } else {
     params.reduction.method = options.method;
   }
-  params.reduction.records = options.records;
+  if (options.budget.average_records > 0 && options.budget.target_error > 0) {
+    throw Error(ErrorKind::usage,
+                "--average-records and --target-error exclude each other; give one of them");
+  }
+  const bool is_reduced = options.method != ReductionMethod::all &&
+                          options.method != ReductionMethod::pure;
+  if (!is_reduced && (options.budget.is_set() || options.predict_error)) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--method {} does not reduce: it has no budget and predicts no error",
+                            label_of(reduction_method_labels, options.method)));
+  }
+  params.budget = options.budget;
+  params.reduction.predict_error = options.predict_error;
+  params.reduction.records = options.records.value_or(options.budget.is_set() ? 16 : 8);
   params.reduction.seed = common.seed;
   params.training.seed = common.seed;
   return params;

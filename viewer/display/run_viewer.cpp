@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/file.h"
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "viewer/display/osmesa_surface.h"
@@ -13,13 +14,6 @@ namespace {
 
 constexpr double idle_wake_s = 0.25;  // how long an interrupt may go unnoticed
 constexpr int settle_frames = 2;      // ImGui needs two frames to lay out what changed
-
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure)
-    throw output_error(folder.string(), failure.message(), "give a folder that can be made");
-}
 
 /// While it lives, the window's input reaches ImGui and finished frames wake the event loop.
 class Connection {

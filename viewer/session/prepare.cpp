@@ -7,6 +7,7 @@
 #include "core/samples/sample_scene.h"
 #include "core/shade/shaders.h"
 #include "viewer/session/method_training.h"
+#include "viewer/session/record_planning.h"
 
 namespace relume {
 namespace {
@@ -23,12 +24,12 @@ struct StageClock {
 };
 
 PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& reduction,
-                            const Training* training, int index, StageClock& clock) {
+                            const ReductionLights& lights, int index, StageClock& clock) {
   const Timer timer;
   const SampleTile samples = sample_tile(view, index);
   const double sampled_ms = timer.ms();
-  const SampleTile records = reduce_tile(samples, view.types.types, reduction, view.width,
-                                         training != nullptr ? &training->set : nullptr);
+  const SampleTile records =
+      reduce_tile(samples, view.types.types, reduction, view.width, lights);
   const double reduced_ms = timer.ms();
   PackedTileData packed = pack_tile(records, view.types.types);
   clock.sample_us += static_cast<int64_t>(sampled_ms * 1e3);
@@ -71,7 +72,11 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
       make_view_sampler(scene, tracer, params.width > 0 ? params.width : scene.width,
                         params.height > 0 ? params.height : scene.height,
                         pure ? reduction.records : params.spp, reduction.seed);
-  const auto training = make_training(scene, view, reduction, params.training);
+  if (params.budget.is_set()) {
+    reduction.record_cost =
+        plan_record_cost(scene, view, reduction, params.training, params.budget, callback);
+  }
+  const auto lights = make_method_lights(scene, view, reduction, params.training);
   const auto tiles = static_cast<size_t>(tile_count(view));
   Progress progress(callback, "prepare " + scene.name);
   StageClock clock;
@@ -81,8 +86,8 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
     batch.assign(count, {});
     parallel_for(count, 1, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        batch[i] =
-            prepare_tile(view, reduction, training.get(), static_cast<int>(first + i), clock);
+        batch[i] = prepare_tile(view, reduction, lights->lights(), static_cast<int>(first + i),
+                                clock);
       }
     });
     for (const PackedTileData& tile : batch) {

@@ -6,6 +6,7 @@
 #include "core/base/progress.h"
 #include "core/samples/relight_cache.h"
 #include "core/trace/tracer.h"
+#include "reduction/budget.h"
 #include "reduction/reduction.h"
 #include "reduction/training.h"
 
@@ -15,6 +16,7 @@ namespace relume {
 struct PrepareParams {
   int spp = 25;  ///< samples per pixel, [1, 1024]; method pure takes `records` instead
   ReductionParams reduction;
+  RecordBudget budget;  ///< when set, reduction.records is the most that a pixel may have
   TrainingParams training;  ///< used by methods that need it
   int width = 0;            ///< pixels; 0 = the scene's
   int height = 0;           ///< pixels; 0 = the scene's
