@@ -49,13 +49,13 @@ float solve_record_cost(std::span<const ErrorCurve> curves, const RecordBudget& 
     const Totals totals = totals_at(curves, cost);
     // More cost, fewer records, more error: an average wants the least cost that keeps to it, an
     // error the largest.
-    return budget.average_records > 0
-               ? totals.records <= double{budget.average_records} * static_cast<double>(curves.size())
-               : totals.error > double{budget.target_error} * value;
+    return budget.average_records > 0 ? totals.records <= double{budget.average_records} *
+                                                              static_cast<double>(curves.size())
+                                      : totals.error > double{budget.target_error} * value;
   };
   if (!(most > 0) || fits(0)) return 0;
-  float low = 0;           // does not fit
-  float high = 2 * most;   // no record is worth this much
+  float low = 0;          // does not fit
+  float high = 2 * most;  // no record is worth this much
   // Errors span many magnitudes: halve the interval's ratio once it has one.
   for (int i = 0; i < 60; ++i) {
     const float middle = low > 0 ? std::sqrt(low * high) : 1e-3f * high;

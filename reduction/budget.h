@@ -24,9 +24,10 @@ inline constexpr std::array record_steps = {0,  1,  2,  3,  4,  5,  6,  7,  8, 1
 
 /// One pixel's predicted error for every k of record_steps that was tried.
 struct ErrorCurve {
-  std::vector<float> errors;  ///< errors[i] belongs to record_steps[i]; errors[0] is the pixel itself
-  std::vector<int> records;   ///< records that came out, <= record_steps[i]
-  float value = 0;            ///< the pixel's mean value under the same lights
+  std::vector<float>
+      errors;  ///< errors[i] belongs to record_steps[i]; errors[0] is the pixel itself
+  std::vector<int> records;  ///< records that came out, <= record_steps[i]
+  float value = 0;           ///< the pixel's mean value under the same lights
 };
 
 /// The index of the curve's entry with least error + cost * records; ties to fewer records.
@@ -34,9 +35,9 @@ size_t choose_step(const ErrorCurve& curve, float cost);
 
 /// The error that a record must save to be worth its place, so that pixels that each minimise
 /// error + cost * records (choose_step) meet the budget together: Everett's Lagrangian allocation
-/// (1963), optimal over the convex hull of the curves. The curves are a fair sample of the picture's
-/// covered pixels. An average stays at or below the budget, an error too. 0 when even all records
-/// of all curves are within an average, or no cost reaches the target.
+/// (1963), optimal over the convex hull of the curves. The curves are a fair sample of the
+/// picture's covered pixels. An average stays at or below the budget, an error too. 0 when even all
+/// records of all curves are within an average, or no cost reaches the target.
 float solve_record_cost(std::span<const ErrorCurve> curves, const RecordBudget& budget);
 
 }  // namespace relume

@@ -15,7 +15,6 @@ namespace {
 
 LightFitParams fit_params(const ReductionParams& params) {
   LightFitParams fit;
-  fit.restarts = params.restarts;
   fit.joint = params.method == ReductionMethod::light_fit;
   return fit;
 }
@@ -109,7 +108,7 @@ float PixelReducer::reduce(int k, PixelRecords& records) {
   }
   if (allocation == counts_ || !needs_validation(params_)) return 0;
   const float error = predicted_error(records);
-  return light_fit_ && fit_applies_ ? fit(allocation, random, records, error) : error;
+  return light_fit_ && fit_applies_ ? fit(allocation, records, error) : error;
 }
 
 void PixelReducer::reduce_type(size_t type, int k, float weight, Random& random,
@@ -150,15 +149,14 @@ void PixelReducer::reduce_type(size_t type, int k, float weight, Random& random,
   }
 }
 
-float PixelReducer::fit(const std::vector<int>& allocation, Random& random, PixelRecords& records,
-                        float error) {
+float PixelReducer::fit(const std::vector<int>& allocation, PixelRecords& records, float error) {
   // Types that cannot be fitted keep the records they have; the fit shares out the others.
   int k = 0;
   for (size_t t = 0; t < allocation.size(); ++t) {
     if (light_fit_->fits_type(static_cast<int>(t))) k += allocation[t];
   }
   if (k < 1 || k >= light_fit_->sample_count()) return error;
-  const std::vector<FittedRecord> fitted = light_fit_->fit(k, random);
+  const std::vector<FittedRecord> fitted = light_fit_->fit(k);
   if (fitted.empty()) return error;
   trial_ = records;
   for (size_t t = 0; t < trial_.size(); ++t) {

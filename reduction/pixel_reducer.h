@@ -29,9 +29,9 @@ class PixelReducer {
   /// The sum of its samples' weights: its coverage, [0, 1].
   float coverage() const { return coverage_; }
 
-  /// At most k records, k >= 1, in `records`; all its samples when k >= sample_count(). Returns what
-  /// they change, predicted: the mean over the validation lights of TR2007-600 eq. 7's RMS over RGB,
-  /// unshadowed; 0 when needs_validation() does not hold.
+  /// At most k records, k >= 1, in `records`; all its samples when k >= sample_count(). Returns
+  /// what they change, predicted: the mean over the validation lights of TR2007-600 eq. 7's RMS
+  /// over RGB, unshadowed; 0 when needs_validation() does not hold.
   float reduce(int k, PixelRecords& records);
 
   /// The pixel's error at the steps of record_steps up to params.records, as far as one of them can
@@ -47,7 +47,7 @@ class PixelReducer {
   void try_steps(float cost, ErrorCurve& curve, PixelRecords* best);
   void reduce_type(size_t type, int k, float weight, Random& random, TypedRows& records);
   float predicted_error(const PixelRecords& records);
-  float fit(const std::vector<int>& allocation, Random& random, PixelRecords& records, float error);
+  float fit(const std::vector<int>& allocation, PixelRecords& records, float error);
   Random make_random(size_t type) const;
   const std::vector<float>& target();
   void add_values(const SampleType& type, int type_index, const float* vectors,

@@ -122,7 +122,7 @@ std::vector<Light> make_mixed_training_lights(const Light& low, const Light& hig
                                               const Bounds& scene, int count, uint64_t seed) {
   CHECK_MSG(count >= 1 && count <= max_training_lights, "count {}", count);
   const ShiftedHalton halton(seed);
-  const int between = (count + 1) / 2;
+  const int between = (3 * count + 3) / 4;
   std::vector<Light> lights;
   double irradiance = 0;
   for (int i = 0; i < between; ++i) {
@@ -134,7 +134,7 @@ std::vector<Light> make_mixed_training_lights(const Light& low, const Light& hig
     lights.push_back(light);
   }
   for (int i = 0; i < count - between; ++i) {
-    Light light = lights[i];
+    Light light = lights[i % lights.size()];
     light.name += "-directional";
     light.type = LightType::directional;
     const float z = 1 - 2 * halton(i, 0);

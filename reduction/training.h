@@ -39,10 +39,10 @@ std::vector<Light> make_training_lights(const Light& low, const Light& high,
 inline constexpr uint64_t first_training_light = uint64_t{1} << 32;
 
 /// `count` lights spread evenly instead of randomly, for fitting (ours, not the report's): the
-/// first half, rounded up, between the representatives, position and direction by the Halton
-/// sequence and the rest as interpolate_light; the others directional, from all sides of the
-/// sphere, as bright at the centre of `scene` as the first half is on average. `seed` shifts both
-/// sequences.
+/// first three quarters, rounded up, between the representatives, position and direction by the
+/// Halton sequence and the rest as interpolate_light; the others directional, from all sides of the
+/// sphere, as bright at the centre of `scene` as the first ones are on average, so that a light
+/// that leaves the representatives' box finds no surprise. `seed` shifts both sequences.
 std::vector<Light> make_mixed_training_lights(const Light& low, const Light& high,
                                               const Bounds& scene, int count, uint64_t seed);
 

@@ -13,7 +13,7 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 /// State of one run.
 struct Run {
   int rows;
-  std::vector<float> distances;  ///< rows x rows, squared
+  std::vector<float> distances;  ///< medoid x row
   std::vector<int> medoids;
   std::vector<int> nearest;   ///< per row, index into medoids
   std::vector<float> first;   ///< per row, distance to the nearest medoid
@@ -22,17 +22,17 @@ struct Run {
   const float* distances_of(int row) const { return &distances[static_cast<size_t>(row) * rows]; }
 };
 
-Run start_run(const Features& features) {
+std::vector<float> squared_distances(const Features& features) {
   const int rows = features.rows;
-  Run run{rows, std::vector<float>(static_cast<size_t>(rows) * rows, 0.0f), {}, {}, {}, {}};
+  std::vector<float> distances(static_cast<size_t>(rows) * rows, 0.0f);
   for (int a = 0; a < rows; ++a) {
     for (int b = 0; b < a; ++b) {
       const float d = squared_distance(features.row(a), features.row(b), features.dimensions);
-      run.distances[static_cast<size_t>(a) * rows + b] = d;
-      run.distances[static_cast<size_t>(b) * rows + a] = d;
+      distances[static_cast<size_t>(a) * rows + b] = d;
+      distances[static_cast<size_t>(b) * rows + a] = d;
     }
   }
-  return run;
+  return distances;
 }
 
 void find_nearest(Run& run) {
@@ -120,8 +120,13 @@ bool make_best_exchange(Run& run) {
 }  // namespace
 
 Clustering kmedoids(const Features& features, int k, int max_iterations) {
-  CHECK_MSG(k >= 1 && k <= features.rows, "k {} rows {}", k, features.rows);
-  Run run = start_run(features);
+  return kmedoids(squared_distances(features), features.rows, k, max_iterations);
+}
+
+Clustering kmedoids(std::vector<float> distances, int rows, int k, int max_iterations) {
+  CHECK_MSG(k >= 1 && k <= rows && distances.size() == static_cast<size_t>(rows) * rows,
+            "k {} rows {}", k, rows);
+  Run run{rows, std::move(distances), {}, {}, {}, {}};
   // With no medoid yet every row is as far as can be summed.
   float farthest = 0;
   for (const float d : run.distances) farthest = std::max(farthest, d);

@@ -14,4 +14,8 @@ namespace relume {
 /// time an exchange.
 Clustering kmedoids(const Features& features, int k, int max_iterations);
 
+/// The same for any dissimilarity: distances[m * rows + i] >= 0 is what row i costs when row m is
+/// its medoid, 0 for i = m; it need not be symmetric.
+Clustering kmedoids(std::vector<float> distances, int rows, int k, int max_iterations);
+
 }  // namespace relume

@@ -5,13 +5,14 @@
 
 #include "core/base/check.h"
 #include "core/simd/dot_products.h"
-#include "reduction/methods/light_fit_clusters.h"
+#include "reduction/methods/kmedoids.h"
 #include "reduction/methods/light_fit_records.h"
 
 namespace relume {
 namespace {
 
 constexpr float smallest_cone_rad = 0.2f;
+constexpr int max_exchanges = 30;
 
 /// One cluster's own target, prior and members.
 struct Cluster {
@@ -163,15 +164,15 @@ LightFit::LightFit(const LobeEvaluator& evaluator, const LightFitParams& params)
 
 bool LightFit::load(std::span<const SampleMatrix> matrices, float weight_per_sample) {
   if (!pixel_.load(matrices, weight_per_sample, is_fitted_)) return false;
-  pixel_.make_kernel(params_.position_weight);
-  return std::all_of(pixel_.kernel.begin(), pixel_.kernel.end(),
+  unexplained_ = pixel_.unexplained(params_.position_weight);
+  return std::all_of(unexplained_.begin(), unexplained_.end(),
                      [](float x) { return is_finite(x); });
 }
 
-std::vector<FittedRecord> LightFit::fit(int k, Random& random) {
+std::vector<FittedRecord> LightFit::fit(int k) {
   CHECK_MSG(k >= 1 && k < pixel_.n(), "samples {} records {}", pixel_.n(), k);
-  const std::vector<Cluster> clusters = make_clusters(
-      pixel_, kernel_kmeans(pixel_.kernel, pixel_.n(), k, params_.restarts, random));
+  const std::vector<Cluster> clusters =
+      make_clusters(pixel_, kmedoids(unexplained_, pixel_.n(), k, max_exchanges).cluster_of);
   RecordFitter fitter(evaluator_, pixel_.scale);
   std::vector<FitRecord> records;
   std::vector<float> targets;

@@ -11,7 +11,6 @@ namespace relume {
 /// report picks or averages samples, this solves for the record.
 struct LightFitParams {
   bool joint = true;              ///< polish all records together ("full"); false is "fast"
-  int restarts = 4;               ///< of the clustering
   int cluster_steps = 4;          ///< Levenberg-Marquardt steps per cluster
   int joint_steps = 8;            ///< and together
   float position_weight = 0.02f;  ///< of position and direction against response, in clustering
@@ -31,8 +30,8 @@ struct FittedRecord {
   std::vector<float> vector;
 };
 
-/// Fits the records of one pixel after the other: load() one, then fit() for any k. Buffers are kept;
-/// one object a thread.
+/// Fits the records of one pixel after the other: load() one, then fit() for any k. Buffers are
+/// kept; one object a thread.
 class LightFit {
  public:
   /// `evaluator` must outlive the object.
@@ -50,15 +49,16 @@ class LightFit {
   /// Samples of the loaded pixel that are of fitted types.
   int sample_count() const { return pixel_.n(); }
 
-  /// At most k records, 1 <= k < sample_count(). Empty when a value is not finite. Anchors (position,
-  /// bias) are always one member's. Deterministic in the pixel, k and `random`.
-  std::vector<FittedRecord> fit(int k, Random& random);
+  /// At most k records, 1 <= k < sample_count(). Empty when a value is not finite. Anchors
+  /// (position, bias) are always one member's. Deterministic.
+  std::vector<FittedRecord> fit(int k);
 
  private:
   const LobeEvaluator& evaluator_;
   LightFitParams params_;
   std::vector<bool> is_fitted_;  ///< per type
   FitPixel pixel_;
+  std::vector<float> unexplained_;
 };
 
 }  // namespace relume

@@ -7,7 +7,26 @@
 namespace relume {
 namespace {
 
-constexpr size_t shape_width = 16;  ///< position and direction, padded for dot_products
+/// Products of the two lobes of a record with each other.
+struct TwoLobes {
+  float a;  ///< first with first
+  float b;  ///< first with second
+  float d;  ///< second with second
+};
+
+/// The squared length of the best approximation, with colours x, y >= 0, of a response whose
+/// products with the lobes are r0 and r1.
+float explained(const TwoLobes& lobes, float r0, float r1) {
+  const float first = lobes.a > 0 && r0 > 0 ? r0 * r0 / lobes.a : 0;
+  const float second = lobes.d > 0 && r1 > 0 ? r1 * r1 / lobes.d : 0;
+  const float determinant = lobes.a * lobes.d - lobes.b * lobes.b;
+  if (determinant > 1e-4f * lobes.a * lobes.d) {
+    const float x = lobes.d * r0 - lobes.b * r1;
+    const float y = lobes.a * r1 - lobes.b * r0;
+    if (x >= 0 && y >= 0) return (x * r0 + y * r1) / determinant;
+  }
+  return std::max(first, second);
+}
 
 dvec3 position_of(const FitSample& sample) {
   return {sample.vector[0], sample.vector[1], sample.vector[2]};
@@ -81,9 +100,12 @@ void FitPixel::make_responses(std::span<const SampleMatrix> matrices,
   }
 }
 
-/// Position about the pixel's mean over their spread, and direction: 6 numbers a sample.
-void FitPixel::make_shape_features() {
-  shape_.assign(samples.size() * shape_width, 0.0f);
+std::vector<float> FitPixel::unexplained(float position_weight) const {
+  const auto n_samples = static_cast<size_t>(n());
+  const size_t n_lobes = n_samples * max_lobes;
+  std::vector<float> gram(n_lobes * n_lobes);
+  dot_products(lobes_.data(), static_cast<int>(n_lobes), columns, lobes_.data(),
+               static_cast<int>(n_lobes), columns, columns, gram.data(), static_cast<int>(n_lobes));
   dvec3 mean(0);
   for (const FitSample& s : samples) mean += position_of(s);
   mean /= n();
@@ -92,42 +114,42 @@ void FitPixel::make_shape_features() {
     const dvec3 d = position_of(s) - mean;
     spread += glm::dot(d, d);
   }
-  const double inverse_spread = spread > 0 ? std::sqrt(n() / spread) : 0;
-  const FitSample& first = samples.front();
-  const float* reference = first.vector + evaluator.direction_offset(first.type);
-  for (size_t i = 0; i < samples.size(); ++i) {
-    const FitSample& s = samples[i];
-    float* out = &shape_[i * shape_width];
-    for (int axis = 0; axis < 3; ++axis) {
-      out[axis] = static_cast<float>((s.vector[axis] - mean[axis]) * inverse_spread);
+  const double per_square = spread > 0 ? double{position_weight} * n() / (2 * spread) : 0;
+  std::vector<float> costs(n_samples * n_samples, 0.0f);
+  for (size_t i = 0; i < n_samples; ++i) {
+    const FitSample& sample = samples[i];
+    const int lobe_count = evaluator.lobe_count(sample.type);
+    float energy[3];
+    float total = 0;
+    const auto color = [&](int lobe, size_t c) {
+      return lobe < lobe_count ? sample.vector[evaluator.color_offset(sample.type, lobe) + c]
+                               : 0.0f;
+    };
+    const auto product = [&](size_t m, int a, int b) {
+      return gram[(m * max_lobes + a) * n_lobes + i * max_lobes + b];
+    };
+    for (size_t c = 0; c < 3; ++c) {
+      energy[c] = color(0, c) * color(0, c) * product(i, 0, 0) +
+                  2 * color(0, c) * color(1, c) * product(i, 0, 1) +
+                  color(1, c) * color(1, c) * product(i, 1, 1);
+      total += energy[c];
     }
-    const float* direction = s.vector + evaluator.direction_offset(s.type);
-    const float side =
-        direction[0] * reference[0] + direction[1] * reference[1] + direction[2] * reference[2];
-    // Strand tangents have no sign.
-    const float sign = evaluator.is_axis(s.type) && side < 0 ? -1.0f : 1.0f;
-    for (int axis = 0; axis < 3; ++axis) out[3 + axis] = sign * direction[axis];
+    for (size_t m = 0; m < n_samples; ++m) {
+      if (m == i) continue;
+      const float* diagonal = &gram[m * max_lobes * (n_lobes + 1)];
+      const TwoLobes lobes{diagonal[0], diagonal[1], diagonal[n_lobes + 1]};
+      float cost = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        const float r0 = color(0, c) * product(m, 0, 0) + color(1, c) * product(m, 0, 1);
+        const float r1 = color(0, c) * product(m, 1, 0) + color(1, c) * product(m, 1, 1);
+        cost += std::max(0.0f, energy[c] - explained(lobes, r0, r1));
+      }
+      const dvec3 d = position_of(sample) - position_of(samples[m]);
+      cost += total * static_cast<float>(std::min(per_square * glm::dot(d, d), 1e6));
+      costs[m * n_samples + i] = cost;
+    }
   }
-}
-
-void FitPixel::make_kernel(float position_weight) {
-  const size_t size = samples.size() * samples.size();
-  const int stride = static_cast<int>(length());
-  kernel.resize(size);
-  std::vector<float> shape(size);
-  dot_products(v_.data(), n(), stride, v_.data(), n(), stride, stride, kernel.data(), n());
-  make_shape_features();
-  dot_products(shape_.data(), n(), shape_width, shape_.data(), n(), shape_width, shape_width,
-               shape.data(), n());
-  float response_trace = 0;
-  float shape_trace = 0;
-  for (size_t i = 0; i < samples.size(); ++i) {
-    response_trace += kernel[i * samples.size() + i];
-    shape_trace += shape[i * samples.size() + i];
-  }
-  const float a = response_trace > 0 ? 1 / response_trace : 0;
-  const float b = shape_trace > 0 ? position_weight / shape_trace : 0;
-  for (size_t i = 0; i < size; ++i) kernel[i] = a * kernel[i] + b * shape[i];
+  return costs;
 }
 
 }  // namespace relume

@@ -25,9 +25,12 @@ class FitPixel {
   bool load(std::span<const SampleMatrix> matrices, float weight_per_sample,
             const std::vector<bool>& is_fitted);
 
-  /// The kernel matrix (n x n) that samples are clustered by: response products over their trace plus
-  /// `position_weight` times products of position and direction over theirs.
-  void make_kernel(float position_weight);
+  /// What sample i costs in a cluster whose record has the lobes of sample m, in distances[m * n +
+  /// i]: the part of its response that those lobes cannot explain with any colours >= 0, squared
+  /// over lights and RGB, plus `position_weight` of its squared response times its squared distance
+  /// from m over the pixel's mean squared distance. So samples that differ in colour alone cost
+  /// nothing: their colours add. Values sum to order 1.
+  std::vector<float> unexplained(float position_weight) const;
 
   int n() const { return static_cast<int>(samples.size()); }
   size_t length() const { return size_t(3) * columns; }
@@ -37,18 +40,15 @@ class FitPixel {
   float weight = 0;          ///< of one sample
   std::vector<float> scale;  ///< per column
   std::vector<FitSample> samples;
-  std::vector<float> kernel;  ///< n x n
 
  private:
   bool find_scale();
   void make_responses(std::span<const SampleMatrix> matrices, const std::vector<bool>& is_fitted);
-  void make_shape_features();
 
   PixelResponses responses_;
   std::vector<SampleMatrix> fitted_;
   std::vector<float> lobes_;  ///< n x max_lobes x columns
   std::vector<float> v_;      ///< n x 3 x columns
-  std::vector<float> shape_;  ///< n x shape_width
 };
 
 }  // namespace relume

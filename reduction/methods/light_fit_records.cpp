@@ -13,7 +13,7 @@ namespace {
 constexpr int geometry_count = lobe_derivatives;  // direction (2) and ln scalar (1)
 constexpr float largest_turn = 0.5f;              // per step, radians
 constexpr float largest_log_step = 1.0f;
-constexpr double exact_fit = 1e-8;  // squared, relative: below this rounding would steer the fit
+constexpr double exact_fit = 1e-12;  // squared, relative: below this rounding would steer the fit
 
 vec3 direction_of(const FitRecord& record, int offset) {
   return {record.vector[offset], record.vector[offset + 1], record.vector[offset + 2]};

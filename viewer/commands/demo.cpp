@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "core/base/file.h"
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/timer.h"
 #include "core/image/heatmap.h"
 #include "core/image/image_io.h"

@@ -87,12 +87,12 @@ struct BenchOptions {
 struct StudyOptions {
   std::string name;  ///< methods
   std::vector<std::string> scenes{"hair", "plants", "spheres"};
-  std::optional<std::filesystem::path> output;  ///< folder for methods.json, .csv and .md
-  bool quick = false;                           ///< a part of the picture, fewer lights
-  std::vector<ReductionMethod> methods;         ///< empty = all
-  std::vector<int> records{8, 4, 2};            ///< k
+  std::optional<std::filesystem::path> output;   ///< folder for methods.json, .csv and .md
+  bool quick = false;                            ///< a part of the picture, fewer lights
+  std::vector<ReductionMethod> methods;          ///< empty = all
+  std::vector<int> records{8, 4, 2};             ///< k
   std::vector<double> average_records{4, 3, 2};  ///< of Light-Fit under a budget
-  int lights = 0;                               ///< test lights; 0 = 50, quick 16
+  int lights = 0;                                ///< test lights; 0 = 50, quick 16
   int training_lights = 200;
   bool train_shadows = false;
   int spp = 25;

@@ -69,8 +69,8 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
     throw Error(ErrorKind::usage,
                 "--average-records and --target-error exclude each other; give one of them");
   }
-  const bool is_reduced = options.method != ReductionMethod::all &&
-                          options.method != ReductionMethod::pure;
+  const bool is_reduced =
+      options.method != ReductionMethod::all && options.method != ReductionMethod::pure;
   if (!is_reduced && (options.budget.is_set() || options.predict_error)) {
     throw Error(ErrorKind::usage,
                 fmt::format("--method {} does not reduce: it has no budget and predicts no error",

@@ -31,8 +31,8 @@ std::vector<MethodTrial> make_trials(const StudyOptions& options) {
     if (method != ReductionMethod::light_fit) continue;
     for (const double average : options.average_records) {
       if (!(average > 0)) continue;
-      trials.push_back({method, options.spp, budget_limit,
-                        {.average_records = static_cast<float>(average)}});
+      trials.push_back(
+          {method, options.spp, budget_limit, {.average_records = static_cast<float>(average)}});
     }
   }
   return trials;
@@ -54,9 +54,8 @@ MethodStudyParams make_study_params(const StudyOptions& options, const Scene& sc
   }
   params.is_independent = options.truth_spp > 0;
   params.reference_spp = params.is_independent ? options.truth_spp : options.spp;
-  params.training = {.lights = options.training_lights,
-                     .shadows = options.train_shadows,
-                     .seed = common.seed};
+  params.training = {
+      .lights = options.training_lights, .shadows = options.train_shadows, .seed = common.seed};
   params.seed = common.seed;
   return params;
 }
@@ -110,23 +109,25 @@ FigureRow to_row(const std::string& scene, const MethodFigure& figure,
 
 void print_table(const std::string& scene, const std::vector<MethodFigure>& figures,
                  const MethodStudyParams& params) {
-  fmt::print("\n{}: eq. 7, percent of the reference's mean, {} lights, {} covered pixels, against "
-             "{} {} samples a pixel\n\n",
-             scene, params.lights, figures.front().covered_pixels,
-             params.is_independent ? "an independent" : "all", params.reference_spp);
-  fmt::print("| method | error, % | of K-means | records a pixel | predicted, % | reduce, us a pixel |\n");
+  fmt::print(
+      "\n{}: eq. 7, percent of the reference's mean, {} lights, {} covered pixels, against "
+      "{} {} samples a pixel\n\n",
+      scene, params.lights, figures.front().covered_pixels,
+      params.is_independent ? "an independent" : "all", params.reference_spp);
+  fmt::print(
+      "| method | error, % | of K-means | records a pixel | predicted, % | reduce, us a pixel |\n");
   fmt::print("| --- | --- | --- | --- | --- | --- |\n");
   for (const MethodFigure& figure : figures) {
     const MethodFigure* base = base_of(figures, figure);
     const double percent = 100 / figure.reference_mean;
-    fmt::print("| {} | {:.4f} +- {:.4f} | {} | {:.2f} | {} | {:.1f} |\n", label_of_trial(figure.trial),
-               percent * figure.error,
-               percent * figure.error_stddev / std::sqrt(static_cast<double>(figure.errors.size())),
-               base == nullptr ? "" : fmt::format("{:.3f}", figure.error / base->error),
-               figure.average_records,
-               figure.predicted_error > 0 ? fmt::format("{:.4f}", percent * figure.predicted_error)
-                                          : "",
-               1e3 * figure.thread_ms_reduce / static_cast<double>(figure.covered_pixels));
+    fmt::print(
+        "| {} | {:.4f} +- {:.4f} | {} | {:.2f} | {} | {:.1f} |\n", label_of_trial(figure.trial),
+        percent * figure.error,
+        percent * figure.error_stddev / std::sqrt(static_cast<double>(figure.errors.size())),
+        base == nullptr ? "" : fmt::format("{:.3f}", figure.error / base->error),
+        figure.average_records,
+        figure.predicted_error > 0 ? fmt::format("{:.4f}", percent * figure.predicted_error) : "",
+        1e3 * figure.thread_ms_reduce / static_cast<double>(figure.covered_pixels));
   }
 }
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/progress.h"
 #include "viewer/display/osmesa_surface.h"
 #include "viewer/display/screen.h"

@@ -3,8 +3,8 @@
 namespace relume {
 namespace {
 
-constexpr int fit_lights = 64;
-constexpr int validation_lights = 32;
+constexpr int fit_lights = 128;
+constexpr int validation_lights = 40;  // with its padding as many columns as 32
 
 void add_shadows(const Tracer& tracer, MethodLights& lights) {
   for (const Light& light : lights.training->lights->lights) {

@@ -25,11 +25,11 @@ struct MethodLights {
   }
 };
 
-/// What `reduction` is trained on, for the types, the eye and the bounds of `view`: 64 evenly spread
-/// lights without shadows for Light-Fit (make_mixed_training_lights), which takes nothing from
-/// `params`; lights between the scene's representative ones after `params` for Light Metrics; none
-/// for other methods. Validation lights are 32 more of the even ones. Uses `reduction.seed` and
-/// `reduction.scene_radius` (world units, > 0).
+/// What `reduction` is trained on, for the types, the eye and the bounds of `view`: 128 evenly
+/// spread lights without shadows for Light-Fit (make_mixed_training_lights), which takes nothing
+/// from `params`; lights between the scene's representative ones after `params` for Light Metrics;
+/// none for other methods. Validation lights are 40 more of the even ones. Uses `reduction.seed`
+/// and `reduction.scene_radius` (world units, > 0).
 std::unique_ptr<const MethodLights> make_method_lights(const Scene& scene, const ViewSampler& view,
                                                        const ReductionParams& reduction,
                                                        const TrainingParams& params);

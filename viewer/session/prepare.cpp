@@ -28,8 +28,7 @@ PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& redu
   const Timer timer;
   const SampleTile samples = sample_tile(view, index);
   const double sampled_ms = timer.ms();
-  const SampleTile records =
-      reduce_tile(samples, view.types.types, reduction, view.width, lights);
+  const SampleTile records = reduce_tile(samples, view.types.types, reduction, view.width, lights);
   const double reduced_ms = timer.ms();
   PackedTileData packed = pack_tile(records, view.types.types);
   clock.sample_us += static_cast<int64_t>(sampled_ms * 1e3);
@@ -86,8 +85,8 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
     batch.assign(count, {});
     parallel_for(count, 1, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        batch[i] = prepare_tile(view, reduction, lights->lights(), static_cast<int>(first + i),
-                                clock);
+        batch[i] =
+            prepare_tile(view, reduction, lights->lights(), static_cast<int>(first + i), clock);
       }
     });
     for (const PackedTileData& tile : batch) {

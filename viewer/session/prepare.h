@@ -16,7 +16,7 @@ namespace relume {
 struct PrepareParams {
   int spp = 25;  ///< samples per pixel, [1, 1024]; method pure takes `records` instead
   ReductionParams reduction;
-  RecordBudget budget;  ///< when set, reduction.records is the most that a pixel may have
+  RecordBudget budget;      ///< when set, reduction.records is the most that a pixel may have
   TrainingParams training;  ///< used by methods that need it
   int width = 0;            ///< pixels; 0 = the scene's
   int height = 0;           ///< pixels; 0 = the scene's

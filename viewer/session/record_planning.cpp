@@ -9,7 +9,8 @@
 namespace relume {
 namespace {
 
-/// Enough for a standard error of about one in a hundred of an average; pixels, background included.
+/// Enough for a standard error of about one in a hundred of an average; pixels, background
+/// included.
 constexpr int planning_pixels = 16384;
 
 /// Tiles between two reports of progress.
@@ -46,16 +47,14 @@ float plan_record_cost(const Scene& scene, const ViewSampler& view,
   params.predict_error = true;
   const auto lights = make_method_lights(scene, view, params, training);
   const auto tiles = static_cast<size_t>(tile_count(view));
-  const int per_tile =
-      std::max(1, static_cast<int>(planning_pixels / static_cast<int64_t>(tiles)));
+  const int per_tile = std::max(1, static_cast<int>(planning_pixels / static_cast<int64_t>(tiles)));
   std::vector<std::vector<ErrorCurve>> curves(tiles);
   Progress progress(callback, "plan records of " + scene.name);
   for (size_t first = 0; first < tiles; first += batch_tiles) {
     const size_t count = std::min(batch_tiles, tiles - first);
     parallel_for(count, 1, [&](size_t begin, size_t end) {
       for (size_t i = first + begin; i < first + end; ++i) {
-        curves[i] =
-            tile_curves(view, params, lights->lights(), static_cast<int>(i), per_tile);
+        curves[i] = tile_curves(view, params, lights->lights(), static_cast<int>(i), per_tile);
       }
     });
     progress.update(static_cast<double>(first + count), static_cast<double>(tiles));

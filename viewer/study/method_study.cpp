@@ -72,18 +72,16 @@ Runner make_runner(const Scene& scene, const Tracer& tracer, const MethodStudyPa
                    const MethodTrial& trial, int width, int height,
                    const ProgressCallback& progress) {
   const int spp = trial.method == ReductionMethod::pure ? trial.records : trial.spp;
-  Runner runner{trial,
-                {},
-                make_view_sampler(scene, tracer, width, height, spp, params.seed),
-                nullptr};
+  Runner runner{
+      trial, {}, make_view_sampler(scene, tracer, width, height, spp, params.seed), nullptr};
   runner.params.method = trial.method;
   runner.params.records = trial.records;
   runner.params.seed = params.seed;
   runner.params.scene_radius = std::max(tracer.bounds().radius(), 1e-30f);
   if (!is_reduced(trial.method)) return runner;
   if (trial.budget.is_set()) {
-    runner.params.record_cost = plan_record_cost(scene, runner.view, runner.params,
-                                                 params.training, trial.budget, progress);
+    runner.params.record_cost = plan_record_cost(scene, runner.view, runner.params, params.training,
+                                                 trial.budget, progress);
   }
   runner.lights = make_method_lights(scene, runner.view, runner.params, params.training);
   return runner;
@@ -94,11 +92,10 @@ TileSums measure_trial(const Runner& runner, const SampleTile& samples,
                        int lights) {
   TileSums sums;
   const Timer timer;
-  const SampleTile records =
-      is_reduced(runner.trial.method)
-          ? reduce_tile(samples, runner.view.types.types, runner.params, runner.view.width,
-                        runner.lights->lights())
-          : samples;
+  const SampleTile records = is_reduced(runner.trial.method)
+                                 ? reduce_tile(samples, runner.view.types.types, runner.params,
+                                               runner.view.width, runner.lights->lights())
+                                 : samples;
   sums.reduce_ms = timer.ms();
   sums.records = static_cast<int64_t>(records.row_count());
   for (const float error : records.predicted_error) sums.predicted += error;
@@ -154,7 +151,8 @@ void finish(MethodFigure& figure, double pixels, double reference) {
   for (double& error : figure.errors) error /= covered;
   for (const double error : figure.errors) figure.error += error / lights;
   double squares = 0;
-  for (const double error : figure.errors) squares += (error - figure.error) * (error - figure.error);
+  for (const double error : figure.errors)
+    squares += (error - figure.error) * (error - figure.error);
   figure.error_stddev = lights > 1 ? std::sqrt(squares / (lights - 1)) : 0;
   figure.error_image = figure.error * covered / std::max(1.0, pixels);
   figure.reference_mean = reference / (3 * lights * covered);
@@ -175,9 +173,9 @@ std::vector<MethodFigure> study_methods(const Scene& scene, const Tracer& tracer
   for (const MethodTrial& trial : params.trials) {
     runners.push_back(make_runner(scene, tracer, params, trial, width, height, callback));
   }
-  const ViewSampler reference_view = make_view_sampler(
-      scene, tracer, width, height, params.reference_spp,
-      params.is_independent ? params.seed + reference_seed_offset : params.seed);
+  const ViewSampler reference_view =
+      make_view_sampler(scene, tracer, width, height, params.reference_spp,
+                        params.is_independent ? params.seed + reference_seed_offset : params.seed);
   const ViewSampler& view = reference_view;
   std::vector<Light> test_lights;
   for (int i = 0; i < params.lights; ++i) {
@@ -205,8 +203,8 @@ std::vector<MethodFigure> study_methods(const Scene& scene, const Tracer& tracer
     batch.assign(std::min(batch_tiles, tiles.size() - first), {});
     parallel_for(batch.size(), 1, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        batch[i] = measure_tile(runners, reference_view, tiles[first + i],
-                                test.evaluator, params.lights);
+        batch[i] =
+            measure_tile(runners, reference_view, tiles[first + i], test.evaluator, params.lights);
       }
     });
     for (const TileResult& tile : batch) {
