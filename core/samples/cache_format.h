@@ -9,15 +9,16 @@
 
 namespace relume {
 
-// The .relume file, version 1, little-endian (docs/cache-format.md):
+// The .relume file, version 2, little-endian (docs/cache-format.md):
 //   CacheHeader | tile chunks, each 64-byte aligned | info | TileEntry[tile_count]
 // The tiles are those of the image, row by row, and their chunks follow each other in that order.
-// A tile chunk: data (floats, see PackedBlock), block headers, coverage bytes.
+// A tile chunk: data (floats, see PackedBlock), block headers, coverage bytes; where the info says
+// so, pad to 4 and one float a pixel of predicted error.
 // A block header: u32 first float of the block's data | u8 lanes | u8 pixels[16] | pad to 24 |
 // u16 slots[type_count] | pad to 8.
 
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
-inline constexpr uint32_t cache_version = 1;
+inline constexpr uint32_t cache_version = 2;
 inline constexpr uint32_t cache_endian_mark = 0x01020304;
 inline constexpr int max_slots = 4096;  ///< of one type in one block: samples a pixel
 
@@ -53,6 +54,11 @@ inline constexpr size_t block_slots_offset = 24;
 /// Bytes of one block header.
 constexpr size_t block_stride(size_t type_count) {
   return (block_slots_offset + 2 * type_count + 7) / 8 * 8;
+}
+
+/// Bytes of the coverage of `pixels` pixels, padded so that floats may follow.
+constexpr size_t coverage_stride(size_t pixels) {
+  return (pixels + 3) / 4 * 4;
 }
 
 /// XXH3 of `bytes`.

@@ -110,6 +110,9 @@ void visit_plain(Archive& archive, InfoRef& info) {
   archive.text(info.scene_file);
   archive.text(info.scene_text);
   archive.value(info.exposure);
+  archive.value(info.average_records);
+  archive.value(info.target_error);
+  visit_byte(archive, info.has_predicted_error, 2);
   visit_light(archive, info.representative_low);
   visit_light(archive, info.representative_high);
 }
@@ -164,6 +167,9 @@ void check_info(const CacheInfo& info, const Reader& reader, const std::string& 
     reader.fail("the scene bounds are not valid");
   }
   if (!is_finite(info.exposure)) reader.fail("the exposure is not finite");
+  for (const float budget : {info.average_records, info.target_error}) {
+    if (!(budget >= 0) || !is_finite(budget)) reader.fail("the budget is not valid");
+  }
   for (size_t i = 0; i < info.lights.size(); ++i) {
     validate_light(info.lights[i], fmt::format("{}: lights/{}", place, i));
   }

@@ -7,8 +7,10 @@
 namespace relume {
 namespace {
 
-constexpr size_t align_up(size_t size) {
-  return (size + 63) / 64 * 64;
+constexpr size_t chunk_alignment = 64;
+
+constexpr size_t align_up(size_t size, size_t alignment) {
+  return (size + alignment - 1) / alignment * alignment;
 }
 
 void append_to(std::vector<std::byte>& chunk, std::span<const std::byte> bytes) {
@@ -33,7 +35,7 @@ void CacheWriter::append(std::span<const std::byte> bytes) {
   if (file_) {
     file_->append(bytes);
   } else {
-    memory_.resize(align_up(size_ + bytes.size()) / 64);
+    memory_.resize(align_up(size_ + bytes.size(), chunk_alignment) / sizeof(CacheChunk));
     std::memcpy(reinterpret_cast<std::byte*>(memory_.data()) + size_, bytes.data(), bytes.size());
   }
   size_ += bytes.size();
@@ -53,8 +55,17 @@ void CacheWriter::add(const PackedTileData& tile) {
   append_to(chunk, std::as_bytes(std::span(tile.data)));
   append_to(chunk, tile.blocks);
   append_to(chunk, std::as_bytes(std::span(tile.coverage)));
-  chunk.resize(align_up(chunk.size()));
-  CHECK_MSG(size_ % 64 == 0, "size {}", size_);
+  const bool has_error = !tile.predicted_error.empty();
+  if (directory_.empty()) has_predicted_error_ = has_error;
+  CHECK_MSG(has_error == has_predicted_error_, "tile at {} {}", tile.x0, tile.y0);
+  if (has_error) {
+    CHECK_MSG(tile.predicted_error.size() == tile.coverage.size(), "{} {}",
+              tile.predicted_error.size(), tile.coverage.size());
+    chunk.resize(align_up(chunk.size(), sizeof(float)));
+    append_to(chunk, std::as_bytes(std::span(tile.predicted_error)));
+  }
+  chunk.resize(align_up(chunk.size(), chunk_alignment));
+  CHECK_MSG(size_ % chunk_alignment == 0, "size {}", size_);
   TileEntry entry;
   entry.x0 = static_cast<uint16_t>(tile.x0);
   entry.y0 = static_cast<uint16_t>(tile.y0);
@@ -72,6 +83,7 @@ void CacheWriter::add(const PackedTileData& tile) {
 
 void CacheWriter::finish(CacheInfo info) {
   info.record_count = record_count_;
+  info.has_predicted_error = has_predicted_error_;
   CacheHeader header;
   const std::vector<std::byte> encoded = encode_info(info);
   header.info_offset = size_;

@@ -58,6 +58,17 @@ float pixel_coverage(const SampleTile& tile, int pixel) {
   return coverage;
 }
 
+RareEvent replaced_errors("predicted errors that were not finite");
+
+/// What the cache stores for a pixel's predicted error.
+float stored_error(float error, bool covered) {
+  CHECK_MSG(!(error < 0), "predicted error {}", error);
+  if (!covered) return 0;
+  if (is_finite(error)) return error;
+  replaced_errors.add();
+  return std::numeric_limits<float>::max();
+}
+
 void pack_block(const SampleTile& tile, std::span<const SampleType> types,
                 std::span<const int> lanes, PackedTileData& packed) {
   std::vector<std::byte> header(block_stride(types.size()));
@@ -108,6 +119,9 @@ PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> 
     // A pixel that geometry touches counts as covered, however little.
     const float code = std::min(255.0f, std::ceil(coverage * 255.0f - 0.5f));
     packed.coverage.push_back(static_cast<uint8_t>(coverage > 0 ? std::max(1.0f, code) : 0.0f));
+    if (!records.predicted_error.empty()) {
+      packed.predicted_error.push_back(stored_error(records.predicted_error[pixel], coverage > 0));
+    }
   }
   return packed;
 }

@@ -56,6 +56,22 @@ CacheHeader read_header(std::span<const std::byte> bytes, const std::string& pla
   return header;
 }
 
+/// An image of value(tile, pixel of the tile), row-major.
+template <class Value>
+std::vector<float> gather(const CacheInfo& info, std::span<const PackedTile> tiles,
+                          const Value& value) {
+  std::vector<float> result(static_cast<size_t>(info.width) * info.height);
+  for (const PackedTile& tile : tiles) {
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) {
+        const size_t pixel = static_cast<size_t>(tile.y0 + y) * info.width + tile.x0 + x;
+        result[pixel] = value(tile, y * tile.width + x);
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 RelightCache RelightCache::open(const std::filesystem::path& path,
@@ -98,10 +114,13 @@ void RelightCache::check_order(std::span<const std::byte> directory,
 
 PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& place) const {
   const uint64_t pixels = uint64_t{entry.width} * entry.height;
+  const uint64_t pixel_bytes =
+      info_.has_predicted_error ? coverage_stride(pixels) + pixels * sizeof(float) : pixels;
   const size_t stride = block_stride(info_.types.size());
   if (entry.offset % 64 != 0 || entry.data_floats > entry.size / sizeof(float) ||
       entry.block_count > pixels ||
-      !inside(entry.data_floats * sizeof(float), entry.block_count * stride + pixels, entry.size)) {
+      !inside(entry.data_floats * sizeof(float), entry.block_count * stride + pixel_bytes,
+              entry.size)) {
     corrupt(place, "a tile's parts do not fit into it");
   }
   const std::byte* start = bytes_.data() + entry.offset;
@@ -111,6 +130,15 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
   tile.data = reinterpret_cast<const float*>(start);
   tile.blocks = start + entry.data_floats * sizeof(float);
   tile.coverage = reinterpret_cast<const uint8_t*>(tile.blocks + entry.block_count * stride);
+  if (info_.has_predicted_error) {
+    tile.predicted_error = reinterpret_cast<const float*>(tile.coverage + coverage_stride(pixels));
+    for (uint64_t i = 0; i < pixels; ++i) {
+      const float error = tile.predicted_error[i];
+      if (!is_finite(error) || !(error >= 0) || (error > 0 && tile.coverage[i] == 0)) {
+        corrupt(place, "a predicted error is not valid");
+      }
+    }
+  }
   for (int b = 0; b < tile.block_count; ++b) {
     uint32_t first_float = 0;
     std::memcpy(&first_float, tile.blocks + b * stride, sizeof(first_float));
@@ -159,16 +187,37 @@ PackedBlock RelightCache::block(const PackedTile& tile, int index) const {
 }
 
 std::vector<float> RelightCache::coverage() const {
-  std::vector<float> result(static_cast<size_t>(info_.width) * info_.height);
+  return gather(info_, tiles_, [](const PackedTile& tile, int pixel) {
+    return static_cast<float>(tile.coverage[pixel]) / 255.0f;
+  });
+}
+
+std::vector<float> RelightCache::predicted_error() const {
+  if (!info_.has_predicted_error) return {};
+  return gather(info_, tiles_,
+                [](const PackedTile& tile, int pixel) { return tile.predicted_error[pixel]; });
+}
+
+std::vector<float> RelightCache::record_counts() const {
+  std::vector<float> counts(static_cast<size_t>(info_.width) * info_.height);
   for (const PackedTile& tile : tiles_) {
-    for (int y = 0; y < tile.height; ++y) {
-      for (int x = 0; x < tile.width; ++x) {
-        const size_t pixel = static_cast<size_t>(tile.y0 + y) * info_.width + tile.x0 + x;
-        result[pixel] = static_cast<float>(tile.coverage[y * tile.width + x]) / 255.0f;
+    for (int b = 0; b < tile.block_count; ++b) {
+      const PackedBlock packed = block(tile, b);
+      const float* weights = packed.data;
+      for (size_t t = 0; t < info_.types.size(); ++t) {
+        for (int slot = 0; slot < packed.slots[t]; ++slot) {
+          for (int lane = 0; lane < packed.lanes; ++lane) {
+            const int x = tile.x0 + packed.pixels[lane] % tile_size;
+            const int y = tile.y0 + packed.pixels[lane] / tile_size;
+            const bool present = weights[lane] > 0;
+            counts[static_cast<size_t>(y) * info_.width + x] += present ? 1.0f : 0.0f;
+          }
+          weights += size_t(1 + info_.types[t].width) * block_lanes;
+        }
       }
     }
   }
-  return result;
+  return counts;
 }
 
 }  // namespace relume

@@ -27,13 +27,16 @@ struct CacheInfo {
   int height = 0;  ///< pixels
   Camera camera;
   std::vector<SampleType> types;
-  Bounds bounds;       ///< of the scene, world
-  std::string method;  ///< reduction label: "kmeans", "pure", ..., "all" = not reduced
-  int records = 0;     ///< k asked for per pixel
-  int spp = 0;         ///< samples per pixel taken
+  Bounds bounds;              ///< of the scene, world
+  std::string method;         ///< reduction label: "kmeans", "pure", ..., "all" = not reduced
+  int records = 0;            ///< k asked for per pixel
+  float average_records = 0;  ///< budget asked for: mean records per covered pixel; 0 = none
+  float target_error = 0;     ///< budget asked for: predicted error of a pixel; 0 = none
+  int spp = 0;                ///< samples per pixel taken
   uint64_t seed = 0;
-  uint64_t sample_count = 0;  ///< samples that hit, before reduction
-  uint64_t record_count = 0;  ///< records stored, padding excluded
+  uint64_t sample_count = 0;         ///< samples that hit, before reduction
+  uint64_t record_count = 0;         ///< records stored, padding excluded
+  bool has_predicted_error = false;  ///< tiles carry one predicted error a pixel
   std::string scene_name;
   std::string scene_file;     ///< absolute path or built-in label
   std::string scene_text;     ///< the scene file's text
@@ -65,6 +68,9 @@ struct PackedTile {
   const std::byte* blocks = nullptr;  ///< block headers, see core/samples/cache_format.h
   const float* data = nullptr;
   const uint8_t* coverage = nullptr;  ///< per pixel of the tile, row-major: round(255 * coverage)
+  /// Per pixel of the tile, row-major: finite, >= 0, 0 where coverage is 0. Null when the cache has
+  /// none. See SampleTile::predicted_error.
+  const float* predicted_error = nullptr;
 };
 
 /// The packed, immutable records of one view: a memory-mapped .relume file or the same bytes in
@@ -87,6 +93,11 @@ class RelightCache {
   size_t size_bytes() const { return bytes_.size(); }
   /// Fraction of each pixel that geometry covers, row-major, in [0, 1] (8-bit precision).
   std::vector<float> coverage() const;
+  /// Predicted error of each pixel, row-major, >= 0, in the units of the picture; 0 where there is
+  /// no geometry. Empty when info().has_predicted_error is false. See SampleTile::predicted_error.
+  std::vector<float> predicted_error() const;
+  /// Number of records of each pixel over all types, row-major; 0 where there are none.
+  std::vector<float> record_counts() const;
 
  private:
   RelightCache() = default;

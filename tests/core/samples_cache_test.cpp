@@ -29,6 +29,8 @@ CacheInfo full_info(const SampleTile& tile, const std::vector<SampleType>& types
   info.scene_file = "scenes/x.json";
   info.scene_text = std::string("{ \"a\": 1 }\0 // binary", 21);
   info.exposure = -1.5f;
+  info.average_records = 2.5f;
+  info.target_error = 0.0125f;
   info.lights = {make_point_light({1, 2, 3}, 4),
                  make_spot_light({0, 1, 0}, {0, -1, 0}, 10, 30, false),
                  make_directional_light({1, 0, 0})};
@@ -91,6 +93,9 @@ TEST_F(Cache, InfoSurvivesTheRoundTrip) {
   EXPECT_EQ(read.scene_file, info_.scene_file);
   EXPECT_EQ(read.scene_text, info_.scene_text);
   EXPECT_EQ(read.exposure, -1.5f);
+  EXPECT_EQ(read.average_records, 2.5f);
+  EXPECT_EQ(read.target_error, 0.0125f);
+  EXPECT_FALSE(read.has_predicted_error);
   EXPECT_EQ(read.representative_high.position, vec3(9, 8, 7));
   ASSERT_EQ(read.lights.size(), 3u);
   EXPECT_EQ(read.lights[1].name, "spot");
@@ -151,6 +156,73 @@ TEST_F(Cache, CoverageIsTheSumOfTheWeights) {
   }
 }
 
+TEST_F(Cache, PredictedErrorIsStoredWhereThereIsGeometry) {
+  for (const int height : {13, 5, 1}) {  // the floats follow 208, 75 and 15 bytes of coverage
+    const int width = height == 13 ? 16 : 15;
+    SampleTile tile = make_random_tile(types_, width, height, 1, 4);
+    fill_predicted_error(tile);
+    const RelightCache cache = make_tile_cache(tile, types_, {0, 0, 5});
+    EXPECT_TRUE(cache.info().has_predicted_error);
+    const std::vector<float> coverage = cache.coverage();
+    const std::vector<float> error = cache.predicted_error();
+    ASSERT_EQ(error.size(), tile.predicted_error.size());
+    int covered = 0;
+    for (size_t i = 0; i < error.size(); ++i) {
+      EXPECT_EQ(error[i], coverage[i] > 0 ? tile.predicted_error[i] : 0.0f) << "pixel " << i;
+      covered += coverage[i] > 0 ? 1 : 0;
+    }
+    EXPECT_GT(covered, 0);
+    EXPECT_LT(covered, tile.pixel_count());
+  }
+  const RelightCache without = make_tile_cache(tile_, types_, {0, 0, 5});
+  EXPECT_TRUE(without.predicted_error().empty());
+  EXPECT_EQ(without.tiles()[0].predicted_error, nullptr);
+}
+
+TEST_F(Cache, PredictedErrorThatIsNotFiniteBecomesTheLargestFloat) {
+  fill_predicted_error(tile_);
+  const std::vector<float> coverage = make_tile_cache(tile_, types_, {0, 0, 5}).coverage();
+  const auto covered =
+      std::find_if(coverage.begin(), coverage.end(), [](float c) { return c > 0; });
+  const auto pixel = static_cast<size_t>(covered - coverage.begin());
+  for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    tile_.predicted_error[pixel] = bad;
+    const std::vector<float> error = make_tile_cache(tile_, types_, {0, 0, 5}).predicted_error();
+    EXPECT_EQ(error[pixel], std::numeric_limits<float>::max());
+  }
+}
+
+TEST_F(Cache, PixelsOfAllTilesFindTheirPlaceInTheImage) {
+  SampleTile right = make_random_tile(types_, 3, 13, 3, 2);
+  right.x0 = 16;
+  CacheWriter writer;
+  for (SampleTile* tile : {&tile_, &right}) {
+    fill_predicted_error(*tile);
+    writer.add(pack_tile(*tile, types_));
+  }
+  info_.width = 19;
+  writer.finish(info_);
+  const RelightCache cache =
+      RelightCache::from_bytes(writer.take_bytes(), shader_table(), "two tiles");
+  const std::vector<float> error = cache.predicted_error();
+  const std::vector<float> counts = cache.record_counts();
+  ASSERT_EQ(error.size(), 19u * 13);
+  ASSERT_EQ(counts.size(), 19u * 13);
+  for (const SampleTile* tile : {&tile_, &right}) {
+    for (int pixel = 0; pixel < tile->pixel_count(); ++pixel) {
+      const int x = tile->x0 + pixel % tile->width;
+      const int y = pixel / tile->width;
+      uint32_t expected = 0;
+      for (const TypedRows& rows : tile->types) {
+        expected += rows.first[pixel + 1] - rows.first[pixel];
+      }
+      EXPECT_EQ(counts[y * 19 + x], static_cast<float>(expected)) << x << ' ' << y;
+      EXPECT_EQ(error[y * 19 + x], expected > 0 ? tile->predicted_error[pixel] : 0.0f)
+          << x << ' ' << y;
+    }
+  }
+}
+
 TEST(CacheOfNothing, IsValidAndEmpty) {
   const std::vector<SampleType> types = all_sample_types();
   const SampleTile tile = make_random_tile(types, 5, 4, 0, 1);
@@ -158,6 +230,7 @@ TEST(CacheOfNothing, IsValidAndEmpty) {
   EXPECT_EQ(cache.info().record_count, 0u);
   EXPECT_EQ(cache.tiles()[0].block_count, 0);
   EXPECT_EQ(cache.coverage(), std::vector<float>(20, 0.0f));
+  EXPECT_EQ(cache.record_counts(), std::vector<float>(20, 0.0f));
 }
 
 TEST_F(Cache, InterruptedWriteLeavesTheOldFile) {

@@ -17,13 +17,15 @@ using namespace test;  // NOLINT: record builders
 
 using Bytes = std::vector<std::byte>;
 
-/// A valid cache of two tiles.
+/// A valid cache of two tiles with predicted errors.
 Bytes make_valid() {
   const std::vector<SampleType> types = all_sample_types();
   CacheWriter writer;
   SampleTile left = make_random_tile(types, 16, 5, 2, 1);
   SampleTile right = make_random_tile(types, 3, 5, 2, 2);
   right.x0 = 16;
+  fill_predicted_error(left);
+  fill_predicted_error(right);
   writer.add(pack_tile(left, types));
   writer.add(pack_tile(right, types));
   CacheInfo info = make_tile_info(left, types, {0, 0, 5});
@@ -59,6 +61,10 @@ void use(const Bytes& bytes) {
     }
   }
   sum = sum + static_cast<float>(cache.coverage().size());
+  for (const float count : cache.record_counts()) sum = sum + count;
+  for (const float error : cache.predicted_error()) {
+    EXPECT_TRUE(is_finite(error) && error >= 0) << error;
+  }
 }
 
 ::testing::AssertionResult is_refused(const Bytes& bytes) {
@@ -123,8 +129,8 @@ TEST(CorruptCache, EveryFlippedByteIsRefused) {
 
 TEST(CorruptCache, OtherVersionByteOrderAndMagicAreNamed) {
   Bytes bytes = make_valid();
-  bytes[8] = std::byte{2};
-  EXPECT_ERROR(use(bytes), ErrorKind::input, "version 2");
+  bytes[8] = std::byte{1};
+  EXPECT_ERROR(use(bytes), ErrorKind::input, "has cache version 1, not 2");
   bytes = make_valid();
   bytes[0] = std::byte{'X'};
   EXPECT_ERROR(use(bytes), ErrorKind::input, "not a .relume cache");
@@ -217,6 +223,76 @@ TEST(CorruptCache, ForgedBlocksNeverReadOutside) {
   EXPECT_GT(refused, 50);
 }
 
+/// Where the first tile's coverage bytes start.
+size_t coverage_offset(const Bytes& bytes) {
+  CacheHeader header;
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  TileEntry entry;
+  std::memcpy(&entry, &bytes[header.directory_offset], sizeof(entry));
+  return entry.offset + entry.data_floats * sizeof(float) +
+         entry.block_count * block_stride(all_sample_types().size());
+}
+
+TEST(CorruptCache, ForgedPredictedErrorsAreRefused) {
+  const Bytes valid = make_valid();
+  const size_t coverage = coverage_offset(valid);
+  const size_t errors = coverage + coverage_stride(16 * 5);
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const size_t pixel : {size_t{0}, size_t{79}}) {
+    for (const float value : {-1e-30f, -1.0f, infinity, -infinity, std::nanf("")}) {
+      Bytes forged = valid;
+      std::memcpy(&forged[errors + pixel * sizeof(float)], &value, sizeof(value));
+      forge_entry(forged, 0, [](TileEntry&) {});
+      EXPECT_ERROR(use(forged), ErrorKind::input, "a predicted error is not valid");
+    }
+    Bytes forged = valid;
+    const float value = 7;
+    std::memcpy(&forged[errors + pixel * sizeof(float)], &value, sizeof(value));
+    forged[coverage + pixel] = std::byte{1};
+    forge_entry(forged, 0, [](TileEntry&) {});
+    EXPECT_NO_THROW(use(forged));
+    forged[coverage + pixel] = std::byte{0};
+    forge_entry(forged, 0, [](TileEntry&) {});
+    EXPECT_ERROR(use(forged), ErrorKind::input, "a predicted error is not valid");
+  }
+}
+
+TEST(CorruptCache, TilesWithoutRoomForPredictedErrorsAreRefused) {
+  const Bytes valid = make_valid();
+  // The first tile's parts end 80 coverage bytes and 80 floats after its blocks.
+  const size_t begin = coverage_offset(valid);
+  for (const size_t kept : {size_t{80 + 320 - 1}, size_t{80 + 4}, size_t{80}, size_t{79}}) {
+    Bytes forged = valid;
+    forge_entry(forged, 0, [&](TileEntry& e) { e.size = begin + kept - e.offset; });
+    EXPECT_ERROR(use(forged), ErrorKind::input, "a tile's parts do not fit into it");
+  }
+  Bytes exact = valid;
+  forge_entry(exact, 0, [&](TileEntry& e) { e.size = begin + 80 + 320 - e.offset; });
+  EXPECT_NO_THROW(use(exact));
+}
+
+TEST(CorruptCache, PredictedErrorsThatWereNeverWrittenAreRefused) {
+  const std::vector<SampleType> types = all_sample_types();
+  const SampleTile tile = make_random_tile(types, 16, 16, 0, 1);
+  CacheWriter writer;
+  writer.add(pack_tile(tile, types));
+  CacheInfo info = make_tile_info(tile, types, {0, 0, 5});
+  writer.finish(info);
+  const CacheBytes chunks = writer.take_bytes();
+  const auto all = std::as_bytes(std::span(chunks));
+  Bytes forged(all.begin(), all.end());
+  EXPECT_NO_THROW(use(forged));
+  CacheHeader header;
+  std::memcpy(&header, forged.data(), sizeof(header));
+  info.has_predicted_error = true;
+  const std::vector<std::byte> encoded = encode_info(info);
+  ASSERT_EQ(encoded.size(), header.info_size);
+  std::copy(encoded.begin(), encoded.end(),
+            forged.begin() + static_cast<std::ptrdiff_t>(header.info_offset));
+  rehash(forged);
+  EXPECT_ERROR(use(forged), ErrorKind::input, "a tile's parts do not fit into it");
+}
+
 TEST(CorruptCache, ForgedInfoBytesNeverCrash) {
   const Bytes valid = make_valid();
   CacheHeader header;
@@ -265,6 +341,10 @@ TEST(CorruptCache, InfoThatMakesNoSenseIsRefused) {
       [](CacheInfo& i) { i.bounds.high.x = std::numeric_limits<float>::infinity(); },
       [](CacheInfo& i) { i.bounds.high.y = i.bounds.low.y - 1; },
       [=](CacheInfo& i) { i.exposure = nan; },
+      [=](CacheInfo& i) { i.average_records = nan; },
+      [](CacheInfo& i) { i.average_records = -1; },
+      [](CacheInfo& i) { i.target_error = std::numeric_limits<float>::infinity(); },
+      [](CacheInfo& i) { i.target_error = -1e-30f; },
       [=](CacheInfo& i) { i.lights = {make_point_light(vec3(nan))}; },
       [=](CacheInfo& i) { i.representative_low.position.x = nan; },
       [](CacheInfo& i) { i.representative_high.direction = vec3(0); },

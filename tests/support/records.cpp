@@ -67,6 +67,15 @@ SampleTile make_random_tile(std::span<const SampleType> types, int width, int he
   return tile;
 }
 
+void fill_predicted_error(SampleTile& tile) {
+  for (int y = 0; y < tile.height; ++y) {
+    for (int x = 0; x < tile.width; ++x) {
+      tile.predicted_error.push_back(0.001f *
+                                     static_cast<float>(1 + tile.x0 + x + 3 * (tile.y0 + y)));
+    }
+  }
+}
+
 std::vector<SampleType> all_sample_types() {
   std::vector<SampleType> types;
   for (const ShaderInfo* shader : shader_table()) types.push_back(make_sample_type(*shader));

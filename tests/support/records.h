@@ -21,6 +21,10 @@ void append_random_vector(const SampleType& type, Random& random, std::vector<fl
 SampleTile make_random_tile(std::span<const SampleType> types, int width, int height, int max_rows,
                             uint64_t seed);
 
+/// Gives every pixel of the tile, covered or not, the predicted error 0.001 (1 + x + 3 y), x and y
+/// in pixels of the image.
+void fill_predicted_error(SampleTile& tile);
+
 /// One type for each shader of the program.
 std::vector<SampleType> all_sample_types();
 
