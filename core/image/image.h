@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/math/vec.h"
@@ -34,6 +35,16 @@ struct Image {
     return {p[0], p[1], p[2]};
   }
 };
+
+/// An image of one channel from width * height values, row-major.
+inline Image make_map(int width, int height, std::vector<float> values) {
+  Image image;
+  image.width = width;
+  image.height = height;
+  image.channels = 1;
+  image.pixels = std::move(values);
+  return image;
+}
 
 /// An 8-bit display image, sRGB-encoded, RGB or RGBA interleaved, rows top to bottom.
 struct DisplayImage {

@@ -112,4 +112,17 @@ Image error_image(const Image& image, const Image& reference) {
   return result;
 }
 
+double mean_covered(std::span<const float> values, std::span<const float> coverage) {
+  CHECK_MSG(coverage.empty() || coverage.size() == values.size(), "{} values for {} pixels",
+            values.size(), coverage.size());
+  CompensatedSum sum;
+  size_t pixels = 0;
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!coverage.empty() && !(coverage[i] > 0)) continue;
+    sum.add(values[i]);
+    ++pixels;
+  }
+  return pixels > 0 ? sum.value() / static_cast<double>(pixels) : 0;
+}
+
 }  // namespace relume

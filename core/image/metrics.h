@@ -25,4 +25,8 @@ ImageError compare_images(const Image& image, const Image& reference,
 /// Per-pixel RMS over RGB of image - reference (eq. 7 before the mean): one channel.
 Image error_image(const Image& image, const Image& reference);
 
+/// Mean of `values`, one a pixel, over the pixels whose `coverage` is > 0; 0 when there are none.
+/// Empty coverage: over all pixels.
+double mean_covered(std::span<const float> values, std::span<const float> coverage);
+
 }  // namespace relume

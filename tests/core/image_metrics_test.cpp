@@ -138,5 +138,13 @@ TEST(Metrics, ErrorImageAveragesToEquation7) {
   EXPECT_NEAR(sum / (64 * 48), compare_images(a, b).error_image, 1e-7);
 }
 
+TEST(Metrics, MeanOverCoveredPixelsLeavesOutTheOthers) {
+  const std::vector<float> values = {1, 2, 4, 100};
+  EXPECT_DOUBLE_EQ(mean_covered(values, std::vector<float>{0.1f, 0, 1, 0}), 2.5);
+  EXPECT_DOUBLE_EQ(mean_covered(values, {}), 26.75);
+  EXPECT_DOUBLE_EQ(mean_covered(values, std::vector<float>(4, 0.0f)), 0);
+  EXPECT_DOUBLE_EQ(mean_covered({}, {}), 0);
+}
+
 }  // namespace
 }  // namespace relume

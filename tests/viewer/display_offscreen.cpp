@@ -131,6 +131,53 @@ TEST(Offscreen, KeysChangeTheView) {
   EXPECT_EQ(view.shown, ShownPicture::heatmap) << "nothing happens after quitting";
 }
 
+/// How many pixels differ between two pictures of the window.
+size_t changed_pixels(const DisplayImage& a, const DisplayImage& b) {
+  size_t count = 0;
+  for (size_t i = 0; i < a.pixels.size(); i += a.channels) {
+    count += std::equal(&a.pixels[i], &a.pixels[i] + 3, &b.pixels[i]) ? 0 : 1;
+  }
+  return count;
+}
+
+TEST(Offscreen, MapsOfThePixelsHaveKeysButtonsAndAScale) {
+  Stage stage;
+  const ViewState& view = stage.session.view();
+  stage.play("key e\nwait");
+  EXPECT_EQ(view.shown, ShownPicture::predicted);
+  const DisplayImage predicted = stage.look();
+  stage.play("click view.records\nwait");
+  EXPECT_EQ(view.shown, ShownPicture::records);
+  EXPECT_GT(changed_pixels(predicted, stage.look()), 100000u);
+  stage.play("key f");
+  EXPECT_EQ(view.shown, ShownPicture::frame);
+  stage.play("key k");
+  EXPECT_EQ(view.shown, ShownPicture::records);
+  stage.play("click view.predicted\nclick heatmap.auto\nmove 5 5");
+  EXPECT_EQ(view.shown, ShownPicture::predicted);
+  EXPECT_GT(changed_pixels(predicted, stage.look()), 50000u);
+}
+
+TEST(Offscreen, SaysThatTheCacheHoldsNoPredictedError) {
+  Stage stage({1280, 800}, {.predicted_error = false});
+  stage.play("click view.frame\nmove 5 790");
+  const DisplayImage frame = stage.look();
+  stage.play("key e\nwait");
+  EXPECT_EQ(stage.session.view().shown, ShownPicture::predicted);
+  const DisplayImage missing = stage.look();
+  // A line in the picture's top left corner, and the lit button; the rest is the frame.
+  size_t line = 0;
+  for (size_t y = 0; y < 40; ++y) {
+    for (size_t x = 60; x < 400; ++x) {
+      const size_t i = missing.channels * (y * missing.width + x);
+      const bool same = std::equal(&frame.pixels[i], &frame.pixels[i] + 3, &missing.pixels[i]);
+      line += same ? 0 : 1;
+    }
+  }
+  EXPECT_GT(line, 300u);
+  EXPECT_LT(changed_pixels(frame, missing), line + 8000);
+}
+
 TEST(Offscreen, WithoutAReferenceTheKeysAndButtonsForItDoNothing) {
   Stage stage({1280, 800}, {.reference = false});
   stage.play("key r\nkey h\nclick view.reference");

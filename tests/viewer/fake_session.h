@@ -50,9 +50,11 @@ struct FakeSessionOptions {
   int width = 320;
   int height = 240;
   bool reference = true;
+  bool predicted_error = true;
 };
 
 /// Two lights before a camera on the z axis; light 1 is in the middle of the view plane at depth 5.
+/// Records rise from 0 to 19 rightwards, predicted errors from 0 to 0.2 downwards.
 inline SessionParts make_fake_parts(const FakeSessionOptions& options = {}) {
   SessionParts parts;
   SessionInfo& info = parts.info;
@@ -66,6 +68,14 @@ inline SessionParts make_fake_parts(const FakeSessionOptions& options = {}) {
   info.spp = 25;
   info.record_count = 123456;
   info.can_trace = true;
+  for (int y = 0; y < info.height; ++y) {
+    for (int x = 0; x < info.width; ++x) {
+      info.record_counts.push_back(static_cast<float>(20 * x / info.width));
+      if (!options.predicted_error) continue;
+      info.predicted_error.push_back(0.2f * static_cast<float>(y) /
+                                     static_cast<float>(info.height));
+    }
+  }
   Light key;
   key.name = "key";
   key.position = vec3(0, 0, 0);

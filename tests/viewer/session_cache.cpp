@@ -39,6 +39,7 @@ TEST(CacheSession, FrameIsTheCacheRelitWithTheViewsLights) {
                                  std::move(cache), std::move(all));
   EXPECT_EQ(session.info().width, 48);
   EXPECT_EQ(session.info().records, 2);
+  EXPECT_EQ(session.info().record_counts, same.record_counts());
   EXPECT_TRUE(session.info().has_reference);
   ASSERT_FALSE(session.view().lights.empty());
   EXPECT_EQ(session.view().selected_light, 0);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/image/heatmap.h"
 #include "tests/viewer/fake_session.h"
 #include "viewer/session/light_motion.h"
 
@@ -123,6 +124,82 @@ TEST(Session, WithoutAReferenceItKeepsShowingTheFrame) {
   session.wait(true);
   EXPECT_EQ(session.status().painted, ShownPicture::frame);
   EXPECT_TRUE(session.status().outdated);
+}
+
+/// The colour of a pixel of the painted picture.
+std::array<int, 3> painted_color(const Session& session, int x, int y) {
+  const Picture& picture = session.picture();
+  const size_t i = 4 * (static_cast<size_t>(y) * picture.width + x);
+  return {picture.rgba.at(i), picture.rgba.at(i + 1), picture.rgba.at(i + 2)};
+}
+
+void expect_heat(const std::array<int, 3>& color, float value) {
+  const vec3 expected = 255.0f * heat_color(value);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(color[c], expected[c], 2.5) << "channel " << c;
+}
+
+TEST(Session, PredictedErrorHasTheScaleOfTheHeatmap) {
+  Session session(make_fake_parts());
+  session.view().shown = ShownPicture::predicted;
+  session.wait(true);
+  EXPECT_EQ(session.status().painted, ShownPicture::predicted);
+  EXPECT_FALSE(session.status().outdated);
+  EXPECT_FLOAT_EQ(session.status().heat_range, 0.1f);
+  ASSERT_TRUE(session.status().map_mean.has_value());
+  EXPECT_NEAR(*session.status().map_mean, 0.1 * 239 / 240, 1e-6);
+  expect_heat(painted_color(session, 7, 60), 0.5f);
+  expect_heat(painted_color(session, 300, 180), 1);
+  session.view().heat_range = HeatRange::automatic;
+  session.wait(true);
+  EXPECT_FLOAT_EQ(session.status().heat_range, 0.2f);
+  expect_heat(painted_color(session, 300, 180), 0.75f);
+}
+
+TEST(Session, RecordMapEndsAtSixteenOrTheRecordsAskedFor) {
+  Session session(make_fake_parts());
+  session.view().shown = ShownPicture::records;
+  session.wait(true);
+  EXPECT_EQ(session.status().painted, ShownPicture::records);
+  EXPECT_FLOAT_EQ(session.status().heat_range, 16);
+  EXPECT_NEAR(session.status().map_mean.value_or(0), 9.5, 1e-6);
+  expect_heat(painted_color(session, 8 * 16, 50), 0.5f);
+  expect_heat(painted_color(session, 19 * 16, 50), 1);
+  SessionParts many = make_fake_parts();
+  many.info.records = 32;
+  Session wide(std::move(many));
+  wide.view().shown = ShownPicture::records;
+  wide.wait(true);
+  EXPECT_FLOAT_EQ(wide.status().heat_range, 32);
+  expect_heat(painted_color(wide, 8 * 16, 50), 0.25f);
+}
+
+TEST(Session, MapsAreNotRepaintedWhenALightMovesNorNeedTheReference) {
+  Session session(make_fake_parts({.reference = false}));
+  for (const ShownPicture map : {ShownPicture::predicted, ShownPicture::records}) {
+    session.view().shown = map;
+    session.wait(true);
+    const uint64_t version = session.picture().version;
+    session.view().lights[0].position.x += 0.4f;
+    session.wait(false);
+    EXPECT_EQ(session.status().painted, map);
+    EXPECT_FALSE(session.status().outdated);
+    EXPECT_EQ(session.picture().version, version);
+  }
+  session.view().shown = ShownPicture::frame;
+  session.wait(true);
+  EXPECT_EQ(session.status().heat_range, 0);
+  EXPECT_FALSE(session.status().map_mean.has_value());
+  SessionParts same = make_fake_parts();
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.frames, session.view()), {}));
+}
+
+TEST(Session, WithoutPredictedErrorItKeepsShowingTheFrame) {
+  Session session(make_fake_parts({.predicted_error = false}));
+  session.view().shown = ShownPicture::predicted;
+  session.wait(true);
+  EXPECT_EQ(session.status().painted, ShownPicture::frame);
+  SessionParts same = make_fake_parts();
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.frames, session.view()), {}));
 }
 
 TEST(Session, ReportsALightThatCannotBeUsedAndKeepsThePicture) {

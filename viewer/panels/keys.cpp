@@ -18,7 +18,7 @@ struct Shortcut {
 };
 
 void show(Session& session, ShownPicture shown) {
-  if (shown == ShownPicture::frame || session.info().has_reference) session.view().shown = shown;
+  if (!needs_reference(shown) || session.info().has_reference) session.view().shown = shown;
 }
 
 void mute_selected(Session& session) {
@@ -42,6 +42,10 @@ constexpr std::array shortcuts = {
              [](UiState&, Session& session) { show(session, ShownPicture::reference); }},
     Shortcut{'h', "h", "show the heatmap of the frame's error",
              [](UiState&, Session& session) { show(session, ShownPicture::heatmap); }},
+    Shortcut{'e', "e", "show the predicted error",
+             [](UiState&, Session& session) { show(session, ShownPicture::predicted); }},
+    Shortcut{'k', "k", "show the records of each pixel",
+             [](UiState&, Session& session) { show(session, ShownPicture::records); }},
     Shortcut{'+', "+", "half a stop brighter",
              [](UiState&, Session& session) { session.view().display.exposure += exposure_step; }},
     Shortcut{'=', nullptr, nullptr,

@@ -31,13 +31,31 @@ std::string work_line(const UiState& ui, const Session& session) {
     line = fmt::format("error {:.5f} on covered pixels, {:.5f} on all   ",
                        status.error->error_covered, status.error->error_image);
   }
+  if (status.map_mean) {
+    line = fmt::format("mean {:.5g} on covered pixels   ", *status.map_mean);
+  }
   if (session.picture().version == 0) return line + "relighting...";
   if (!ui.show_timings) return line;
   return line + fmt::format("{} light{} relit in {:.1f} ms", status.stats.layers_shaded,
                             status.stats.layers_shaded == 1 ? "" : "s", status.frame_ms);
 }
 
-void heat_scale(const UiState& ui, float range) {
+const char* heat_unit(ShownPicture shown) {
+  switch (shown) {
+    case ShownPicture::heatmap:
+      return "RMS error";
+    case ShownPicture::predicted:
+      return "predicted RMS error";
+    case ShownPicture::records:
+      return "records";
+    case ShownPicture::frame:
+    case ShownPicture::reference:
+      break;
+  }
+  return "";
+}
+
+void heat_scale(const UiState& ui, const char* unit, float range) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float font = ImGui::GetFontSize();
   const vec2 size(14 * font, 0.7f * font);
@@ -54,7 +72,8 @@ void heat_scale(const UiState& ui, float range) {
   const float text_y = low.y + size.y + 0.1f * font;
   const std::string top = fmt::format("{:g}", range);
   add_outlined_text(list, {low.x, text_y}, IM_COL32_WHITE, "0");
-  add_outlined_text(list, {low.x + 4.2f * font, text_y}, IM_COL32_WHITE, "RMS error");
+  const float unit_width = ImGui::CalcTextSize(unit).x;
+  add_outlined_text(list, {low.x + 0.5f * (size.x - unit_width), text_y}, IM_COL32_WHITE, unit);
   const float top_width = ImGui::CalcTextSize(top.c_str()).x;
   add_outlined_text(list, {low.x + size.x - top_width, text_y}, IM_COL32_WHITE, top);
 }
@@ -65,8 +84,9 @@ void view_panel(UiState& ui, Session& session) {
   ViewState& view = session.view();
   const SessionInfo& info = session.info();
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "PICTURE");
-  choose(ui, "view", shown_picture_labels, view.shown,
-         [&](ShownPicture shown) { return shown == ShownPicture::frame || info.has_reference; });
+  choose(
+      ui, "view", shown_picture_labels, view.shown,
+      [&](ShownPicture shown) { return !needs_reference(shown) || info.has_reference; }, 3);
   if (!info.has_reference) ImGui::TextDisabled("No reference was prepared to compare with.");
 
   row_label("exposure");
@@ -114,18 +134,21 @@ void picture_legend(const UiState& ui, const Session& session) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const SessionStatus& status = session.status();
   const vec2 corner = ui.layout.picture.min + vec2(1, 0.7f) * ImGui::GetFontSize();
-  const bool waiting = status.outdated && session.view().shown != ShownPicture::frame;
+  const ShownPicture wanted = session.view().shown;
+  const bool missing = wanted == ShownPicture::predicted && session.info().predicted_error.empty();
+  const bool waiting = status.outdated && needs_reference(wanted);
   std::string text(label_of(shown_picture_labels, status.painted));
-  if (waiting && status.painted == session.view().shown) {
+  if (missing) {
+    text += "; this cache holds no predicted error";
+  } else if (waiting && status.painted == wanted) {
     text += ", out of date until the light rests";
   } else if (waiting) {
     text += fmt::format(", the {} follows when the light rests",
-                        label_of(shown_picture_labels, session.view().shown));
+                        label_of(shown_picture_labels, wanted));
   }
-  add_outlined_text(list, corner, waiting ? accent_color : IM_COL32(220, 220, 220, 255), text);
-  if (status.painted == ShownPicture::heatmap && session.picture().version > 0) {
-    heat_scale(ui, status.heat_range);
-  }
+  add_outlined_text(list, corner, waiting || missing ? accent_color : IM_COL32(220, 220, 220, 255),
+                    text);
+  if (status.heat_range > 0) heat_scale(ui, heat_unit(status.painted), status.heat_range);
 }
 
 }  // namespace relume

@@ -42,19 +42,20 @@ void begin_fixed_window(const char* name, const Rect& rect);
 /// Text with a dark edge, readable over any picture.
 void add_outlined_text(ImDrawList& list, vec2 position, ImU32 color, const std::string& text);
 
-/// A row of buttons, one per label; the items are named "group.label". `enabled` says which can be
-/// chosen. True when the value changed.
+/// Rows of `per_row` buttons, one per label; the items are named "group.label". `enabled` says
+/// which can be chosen. True when the value changed.
 template <class E, size_t N, class Enabled>
 bool choose(UiState& ui, const std::string& group, const std::array<Label<E>, N>& labels, E& value,
-            const Enabled& enabled) {
+            const Enabled& enabled, size_t per_row = N) {
   const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
   const float width =
-      std::max(1.0f, (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(N - 1)) /
-                         static_cast<float>(N));
+      std::max(1.0f, (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(per_row - 1)) /
+                         static_cast<float>(per_row));
   bool changed = false;
   ImGui::PushID(group.c_str());
-  for (const Label<E>& row : labels) {
-    if (row.value != labels.front().value) ImGui::SameLine(0, gap);
+  for (size_t i = 0; i < N; ++i) {
+    const Label<E>& row = labels[i];
+    if (i % per_row != 0) ImGui::SameLine(0, gap);
     const std::string label(row.name);
     if (segment_button(label.c_str(), row.value == value, enabled(row.value), width)) {
       changed = changed || value != row.value;

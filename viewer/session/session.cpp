@@ -37,6 +37,8 @@ Session::Session(SessionParts parts)
       rays_(info_.camera, info_.width, info_.height),
       view_(std::move(parts.view)) {
   CHECK(parts.frames != nullptr);
+  const size_t pixels = static_cast<size_t>(info_.width) * info_.height;
+  CHECK_MSG(info_.record_counts.size() == pixels, "{} of {}", info_.record_counts.size(), pixels);
   frame_.worker = std::make_unique<RelightWorker>(std::move(parts.frames));
   if (parts.reference) {
     reference_.worker = std::make_unique<RelightWorker>(std::move(parts.reference));
@@ -73,7 +75,7 @@ bool Session::ask(bool resting) {
   if (!view_problem_.empty()) return false;
   const bool asked_frame = ask(frame_, {view_.lights, view_.shadows});
   // The reference is slow and nobody watches it while a light is dragged over the frame.
-  const bool wanted = view_.shown != ShownPicture::frame && resting && reference_.worker;
+  const bool wanted = needs_reference(view_.shown) && resting && reference_.worker;
   const bool asked_reference = wanted && ask(reference_, {view_.lights, ShadowMethod::ray});
   return asked_frame || asked_reference;
 }
@@ -121,6 +123,11 @@ ShownPicture Session::paintable() const {
     case ShownPicture::heatmap:
       if (reference_is_current && frame_is_current()) return ShownPicture::heatmap;
       break;
+    case ShownPicture::predicted:
+      if (!info_.predicted_error.empty()) return ShownPicture::predicted;
+      break;
+    case ShownPicture::records:
+      return ShownPicture::records;
   }
   return ShownPicture::frame;
 }
@@ -128,22 +135,25 @@ ShownPicture Session::paintable() const {
 void Session::paint() {
   if (frame_.version == 0) return;
   const ShownPicture shown = paintable();
-  status_.outdated = shown != view_.shown || !frame_is_current();
+  status_.outdated = shown != view_.shown || !(ignores_lights(shown) || frame_is_current());
   // A heatmap stays, marked as outdated, until the next one is there.
   if (shown != view_.shown && view_.shown == ShownPicture::heatmap &&
       status_.painted == ShownPicture::heatmap && picture_.version > 0) {
     return;
   }
+  const bool needs_frame = shown == ShownPicture::frame || shown == ShownPicture::heatmap;
   const PaintKey key{shown,
                      view_.heat_range,
                      view_.display.curve,
                      view_.display.exposure,
-                     shown == ShownPicture::reference ? 0 : frame_.version,
-                     shown == ShownPicture::frame ? 0 : reference_.version};
+                     needs_frame ? frame_.version : 0,
+                     needs_reference(shown) ? reference_.version : 0};
   if (painted_ == key) return;
   painted_ = key;
   status_.painted = shown;
   status_.error.reset();
+  status_.map_mean.reset();
+  status_.heat_range = 0;
   switch (shown) {
     case ShownPicture::frame:
       paint_image(frame_.latest.image);
@@ -153,6 +163,12 @@ void Session::paint() {
       break;
     case ShownPicture::heatmap:
       paint_heatmap();
+      break;
+    case ShownPicture::predicted:
+      paint_map(info_.predicted_error);
+      break;
+    case ShownPicture::records:
+      paint_map(info_.record_counts);
       break;
   }
   ++picture_.version;
@@ -170,10 +186,23 @@ void Session::paint_heatmap() {
   const Image& reference = reference_.latest.image;
   const Image error = error_image(frame, reference);
   status_.error = compare_images(frame, reference, info_.coverage);
-  status_.heat_range =
-      view_.heat_range == HeatRange::ten_times ? ten_times_range : automatic_range(error);
+  paint_scaled(error);
+}
+
+void Session::paint_map(const std::vector<float>& values) {
+  status_.map_mean = mean_covered(values, info_.coverage);
+  paint_scaled(make_map(info_.width, info_.height, values));
+}
+
+void Session::paint_scaled(const Image& values) {
+  if (status_.painted == ShownPicture::records) {
+    status_.heat_range = record_map_range(info_.records);
+  } else {
+    status_.heat_range =
+        view_.heat_range == HeatRange::ten_times ? ten_times_range : automatic_range(values);
+  }
   const DisplayImage heat =
-      render_heatmap(error, {.range = status_.heat_range, .scale_bar = false});
+      render_heatmap(values, {.range = status_.heat_range, .scale_bar = false});
   picture_.width = heat.width;
   picture_.height = heat.height;
   const size_t pixels = static_cast<size_t>(heat.width) * heat.height;
@@ -198,6 +227,8 @@ Session make_session(std::unique_ptr<const Scene> scene, std::unique_ptr<const T
                 .spp = cache.spp,
                 .record_count = cache.record_count,
                 .coverage = frames.coverage(),
+                .predicted_error = frames.predicted_error(),
+                .record_counts = frames.record_counts(),
                 .can_trace = tracer != nullptr};
   parts.view.lights = cache.lights;
   parts.view.selected_light = cache.lights.empty() ? -1 : 0;

@@ -24,8 +24,10 @@ struct SessionInfo {
   int records = 0;     ///< k asked for per pixel
   int spp = 0;
   uint64_t record_count = 0;
-  std::vector<float> coverage;  ///< per pixel in [0, 1]; empty = unknown
-  bool can_trace = false;       ///< traced shadows are available
+  std::vector<float> coverage;         ///< per pixel in [0, 1]; empty = unknown
+  std::vector<float> predicted_error;  ///< per pixel, see RelightCache; empty = the cache has none
+  std::vector<float> record_counts;    ///< per pixel, see RelightCache
+  bool can_trace = false;              ///< traced shadows are available
   bool has_reference = false;
 };
 
@@ -45,7 +47,8 @@ struct SessionStatus {
   ShownPicture painted = ShownPicture::frame;  ///< what the picture really shows now
   bool outdated = false;                       ///< the picture is not yet what the view asks for
   std::optional<ImageError> error;  ///< frame against reference, when a heatmap is painted
-  float heat_range = 0;             ///< error at the top of the heatmap's scale
+  std::optional<double> map_mean;   ///< over covered pixels, when predicted or records is painted
+  float heat_range = 0;             ///< value at the top of the scale; 0 = no scale
   std::string problem;              ///< one line, empty = none
 };
 
@@ -125,6 +128,8 @@ class Session {
   ShownPicture paintable() const;
   void paint_image(const Image& image);
   void paint_heatmap();
+  void paint_map(const std::vector<float>& values);
+  void paint_scaled(const Image& values);
 
   std::unique_ptr<const Scene> scene_;
   std::unique_ptr<const Tracer> tracer_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -11,23 +12,42 @@
 namespace relume {
 
 /// What the picture shows. `reference` is every sample with traced shadows; `heatmap` is the error
-/// of the frame against it.
-enum class ShownPicture { frame, reference, heatmap };
+/// of the frame against it; `predicted` is the error that preparation expects of each pixel, and
+/// `records` how many records it has, whatever the lights.
+enum class ShownPicture { frame, reference, heatmap, predicted, records };
 
 inline constexpr std::array shown_picture_labels = {
     Label<ShownPicture>{ShownPicture::frame, "frame"},
     Label<ShownPicture>{ShownPicture::reference, "reference"},
     Label<ShownPicture>{ShownPicture::heatmap, "heatmap"},
+    Label<ShownPicture>{ShownPicture::predicted, "predicted"},
+    Label<ShownPicture>{ShownPicture::records, "records"},
 };
 
-/// Where the heatmap's scale ends: at an error of 0.1, so that errors are shown ten times enlarged
-/// as in TR2007-600, or where the picture's own errors end (automatic_range).
+/// True for pictures that come from the reference.
+constexpr bool needs_reference(ShownPicture shown) {
+  return shown == ShownPicture::reference || shown == ShownPicture::heatmap;
+}
+
+/// True for pictures that lights do not change.
+constexpr bool ignores_lights(ShownPicture shown) {
+  return shown == ShownPicture::predicted || shown == ShownPicture::records;
+}
+
+/// Where the scale of the heatmap and of the predicted error ends: at an error of 0.1, so that
+/// errors are shown ten times enlarged as in TR2007-600, or where the picture's own errors end
+/// (automatic_range).
 enum class HeatRange { ten_times, automatic };
 
 inline constexpr std::array heat_range_labels = {
     Label<HeatRange>{HeatRange::ten_times, "10x"},
     Label<HeatRange>{HeatRange::automatic, "auto"},
 };
+
+/// Where the scale of a map of records per pixel ends, for k records asked for.
+constexpr float record_map_range(int k) {
+  return static_cast<float>(std::max(16, k));
+}
 
 /// Everything that a person sets in the viewer, and nothing else: copying it is a snapshot.
 struct ViewState {
