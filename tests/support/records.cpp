@@ -67,6 +67,20 @@ SampleTile make_random_tile(std::span<const SampleType> types, int width, int he
   return tile;
 }
 
+std::vector<SampleTile> make_random_tiles(std::span<const SampleType> types, int width, int height,
+                                          int max_rows) {
+  std::vector<SampleTile> tiles;
+  for (int y = 0; y < height; y += tile_size) {
+    for (int x = 0; x < width; x += tile_size) {
+      tiles.push_back(make_random_tile(types, std::min(tile_size, width - x),
+                                       std::min(tile_size, height - y), max_rows, tiles.size()));
+      tiles.back().x0 = x;
+      tiles.back().y0 = y;
+    }
+  }
+  return tiles;
+}
+
 void fill_predicted_error(SampleTile& tile) {
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; ++x) {

@@ -32,6 +32,10 @@ std::vector<SampleType> all_sample_types();
 RelightCache make_tile_cache(const SampleTile& tile, const std::vector<SampleType>& types,
                              vec3 eye);
 
+/// The tiles of a `width` x `height` image of random vectors, in image order. Deterministic.
+std::vector<SampleTile> make_random_tiles(std::span<const SampleType> types, int width, int height,
+                                          int max_rows);
+
 /// The info of such a cache.
 CacheInfo make_tile_info(const SampleTile& tile, const std::vector<SampleType>& types, vec3 eye);
 

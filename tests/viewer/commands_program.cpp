@@ -6,8 +6,14 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "core/image/heatmap.h"
 #include "core/image/image_io.h"
 #include "core/image/metrics.h"
+#include "core/math/color.h"
+#include "core/samples/cache_writer.h"
+#include "core/shade/shaders.h"
+#include "tests/support/records.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relume::test {
@@ -161,6 +167,94 @@ TEST(Program, LightLayersSumToBeauty) {
   for (size_t i = 0; i < beauty.pixels.size(); ++i) {
     ASSERT_NEAR(beauty.pixels[i], key.pixels[i] + rim.pixels[i], 1e-6 + 1e-6 * beauty.pixels[i]);
   }
+}
+
+/// A cache of random records, 40 x 24 pixels, with or without predicted errors.
+RelightCache write_random_cache(const std::filesystem::path& path, bool predicted) {
+  const std::vector<SampleType> types = all_sample_types();
+  std::vector<SampleTile> tiles = make_random_tiles(types, 40, 24, 2);
+  CacheWriter writer(path);
+  for (SampleTile& tile : tiles) {
+    if (predicted) fill_predicted_error(tile);
+    writer.add(pack_tile(tile, types));
+  }
+  CacheInfo info = make_tile_info(tiles[0], types, {0, 0, 5});
+  info.width = 40;
+  info.height = 24;
+  info.records = 4;
+  info.average_records = 3.5f;
+  info.lights = {make_point_light({1, 2, 3}, 20)};
+  writer.finish(info);
+  return RelightCache::open(path, shader_table());
+}
+
+std::vector<float> read_map(const std::filesystem::path& path, const std::string& channel) {
+  return read_exr_channel(path, channel).pixels;
+}
+
+TEST(Program, ExrAndPngCarryPredictedErrorAndRecords) {
+  const TemporaryFolder folder;
+  const RelightCache cache = write_random_cache(folder.file("c.relume"), true);
+  const Outcome outcome = run_relume(folder,
+                                     "render c.relume -q --shadow none -o f.exr "
+                                     "--predicted-error p.png --record-map r.png");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(read_map(folder.file("f.exr"), "predicted_error.V"), cache.predicted_error());
+  EXPECT_EQ(read_map(folder.file("f.exr"), "records.V"), cache.record_counts());
+
+  // Values of the picture part, as the scale's colours say.
+  const Image predicted = read_image(folder.file("p.png"));
+  const Image records = read_image(folder.file("r.png"));
+  const float top = 0.2f;  // the largest is 0.001 (1 + 39 + 3 * 23)
+  for (const auto& [image, values, range] : {std::tuple(predicted, cache.predicted_error(), top),
+                                             std::tuple(records, cache.record_counts(), 16.0f)}) {
+    EXPECT_GT(image.height, 24) << "no scale";
+    for (int y = 0; y < 24; ++y) {
+      for (int x = 0; x < 40; ++x) {
+        const vec3 color = heat_color(values[y * 40 + x] / range);
+        const float* pixel = image.at(x, y);
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_NEAR(pixel[c], linear_from_srgb(color[c]), 0.02f) << x << ' ' << y;
+        }
+      }
+    }
+  }
+}
+
+TEST(Program, SaysThatACacheHasNoPredictedError) {
+  const TemporaryFolder folder;
+  write_random_cache(folder.file("c.relume"), false);
+  expect_one_line_error(
+      run_relume(folder, "render c.relume -q --shadow none -o f.exr --predicted-error p.png"), 2,
+      "predicted no errors");
+  EXPECT_FALSE(std::filesystem::exists(folder.file("p.png")));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("f.exr")));
+  ASSERT_EQ(run_relume(folder, "render c.relume -q --shadow none -o f.exr").exit_code, 0);
+  const std::vector<std::string> names = read_channel_names(folder.file("f.exr"));
+  EXPECT_EQ(std::count(names.begin(), names.end(), "records.V"), 1);
+  EXPECT_EQ(std::count(names.begin(), names.end(), "predicted_error.V"), 0);
+}
+
+TEST(Program, InfoPrintsMeansOverCoveredPixelsAndTheBudget) {
+  const TemporaryFolder folder;
+  const RelightCache cache = write_random_cache(folder.file("c.relume"), true);
+  const Outcome outcome = run_relume(folder, "info c.relume");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  double error = 0;
+  double pixels = 0;
+  for (size_t i = 0; i < cache.coverage().size(); ++i) {
+    if (cache.coverage()[i] == 0) continue;
+    error += cache.predicted_error()[i];
+    ++pixels;
+  }
+  ASSERT_LT(pixels, 40 * 24);
+  EXPECT_NEAR(figure(outcome, "predicted_error"), error / pixels, 1e-5 * error / pixels);
+  EXPECT_NEAR(figure(outcome, "records_per_pixel"),
+              static_cast<double>(cache.info().record_count) / pixels, 1e-4);
+  EXPECT_EQ(figure(outcome, "budget_records"), 3.5);
+  EXPECT_EQ(figure(outcome, "budget_error"), 0);
+  write_random_cache(folder.file("c.relume"), false);
+  EXPECT_EQ(run_relume(folder, "info c.relume").out.find("predicted_error"), std::string::npos);
 }
 
 TEST(Program, DemoWritesItsPicturesWithoutADisplay) {

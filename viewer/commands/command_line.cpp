@@ -139,6 +139,10 @@ void add_render(CLI::App& app, Parsed& p) {
   add_label(sub, "--shadow", o.shadow, shadow_method_labels, "shadow method");
   sub.add_option("--exposure", o.exposure, "stops, for PNG; default: the scene's");
   add_label(sub, "--curve", o.curve, tone_curve_labels, "tone curve, for PNG");
+  sub.add_option("--predicted-error", o.predicted_error,
+                 "write the predicted error of each pixel in false colour (PNG)");
+  sub.add_option("--record-map", o.record_map,
+                 "write the records of each pixel in false colour (PNG)");
   add_label(sub, "--isa", o.instruction_set, instruction_set_labels, "instruction set");
   add_prepare(sub, o.prepare);
 }

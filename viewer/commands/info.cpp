@@ -1,4 +1,5 @@
 #include "core/image/image_io.h"
+#include "core/image/metrics.h"
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
 #include "viewer/commands/commands.h"
@@ -8,25 +9,34 @@
 namespace relume {
 namespace {
 
+/// Budgets of 0 are none; means are over covered pixels.
 FigureRow describe_cache(const std::filesystem::path& path) {
   const RelightCache cache = RelightCache::open(path, shader_table());
   const CacheInfo& info = cache.info();
   std::string types;
   for (const SampleType& type : info.types) types += (types.empty() ? "" : ", ") + type.name;
-  return {{"kind", "cache"},
-          {"scene", info.scene_name},
-          {"scene_file", info.scene_file},
-          {"width", int64_t{info.width}},
-          {"height", int64_t{info.height}},
-          {"method", info.method},
-          {"records", int64_t{info.records}},
-          {"spp", int64_t{info.spp}},
-          {"seed", static_cast<int64_t>(info.seed)},
-          {"types", types},
-          {"lights", static_cast<int64_t>(info.lights.size())},
-          {"sample_count", static_cast<int64_t>(info.sample_count)},
-          {"record_count", static_cast<int64_t>(info.record_count)},
-          {"bytes", static_cast<int64_t>(cache.size_bytes())}};
+  const std::vector<float> coverage = cache.coverage();
+  FigureRow row = {{"kind", "cache"},
+                   {"scene", info.scene_name},
+                   {"scene_file", info.scene_file},
+                   {"width", int64_t{info.width}},
+                   {"height", int64_t{info.height}},
+                   {"method", info.method},
+                   {"records", int64_t{info.records}},
+                   {"budget_records", double{info.average_records}},
+                   {"budget_error", double{info.target_error}},
+                   {"spp", int64_t{info.spp}},
+                   {"seed", static_cast<int64_t>(info.seed)},
+                   {"types", types},
+                   {"lights", static_cast<int64_t>(info.lights.size())},
+                   {"sample_count", static_cast<int64_t>(info.sample_count)},
+                   {"record_count", static_cast<int64_t>(info.record_count)},
+                   {"records_per_pixel", mean_covered(cache.record_counts(), coverage)},
+                   {"bytes", static_cast<int64_t>(cache.size_bytes())}};
+  if (info.has_predicted_error) {
+    row.push_back({"predicted_error", mean_covered(cache.predicted_error(), coverage)});
+  }
+  return row;
 }
 
 FigureRow describe_image(const std::filesystem::path& path) {

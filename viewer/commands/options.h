@@ -63,7 +63,9 @@ struct RenderOptions {
   std::filesystem::path output;
   std::optional<std::filesystem::path> lights;
   ShadowMethod shadow = ShadowMethod::ray;
-  bool reference = false;  ///< all samples, traced shadows
+  bool reference = false;                                ///< all samples, traced shadows
+  std::optional<std::filesystem::path> predicted_error;  ///< heatmap to write, PNG
+  std::optional<std::filesystem::path> record_map;       ///< heatmap to write, PNG
   std::optional<float> exposure;
   ToneCurve curve = ToneCurve::srgb;
   InstructionSet instruction_set = InstructionSet::automatic;

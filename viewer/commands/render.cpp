@@ -38,6 +38,8 @@ int run_render(const RenderOptions& asked, const CommonOptions& common) {
       open_input(options.input, options.prepare, options.shadow != ShadowMethod::none, common);
   const CacheInfo& info = input.cache->info();
   const double prepare_ms = timer.ms();
+  if (options.predicted_error) save_predicted_error(*input.cache, *options.predicted_error);
+  if (options.record_map) save_record_map(*input.cache, *options.record_map);
 
   const auto shadows = input.tracer ? make_shadow(options.shadow, *input.tracer) : nullptr;
   RelightState state = make_relight_state(*input.cache);

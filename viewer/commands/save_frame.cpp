@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <set>
 
 #include "core/base/error.h"
+#include "core/image/heatmap.h"
 #include "core/image/image_io.h"
 #include "viewer/commands/version.h"
+#include "viewer/session/view_state.h"
 
 namespace relume {
 namespace {
@@ -31,8 +34,8 @@ std::vector<std::string> layer_prefixes(const std::vector<Light>& lights) {
 
 void save_exr(const RelightState& state, const std::filesystem::path& path) {
   const CacheInfo& info = state.cache->info();
-  Image coverage(info.width, info.height, 1);
-  coverage.pixels = state.cache->coverage();
+  const Image coverage = make_map(info.width, info.height, state.cache->coverage());
+  const Image records = make_map(info.width, info.height, state.cache->record_counts());
   std::vector<Image> lights;
   for (size_t i = 0; i < state.lights.size(); ++i) lights.push_back(weighted_layer(state, i));
   const std::vector<std::string> prefixes = layer_prefixes(state.lights);
@@ -40,12 +43,20 @@ void save_exr(const RelightState& state, const std::filesystem::path& path) {
   for (size_t i = 0; i < lights.size(); ++i) {
     layers.push_back({prefixes[i], {"R", "G", "B"}, &lights[i]});
   }
+  layers.push_back({"records.", {"V"}, &records});
+  std::optional<Image> predicted;
+  if (info.has_predicted_error) {
+    predicted = make_map(info.width, info.height, state.cache->predicted_error());
+    layers.push_back({"predicted_error.", {"V"}, &*predicted});
+  }
   write_exr(path, layers,
             {{"relume:version", relume_version},
              {"relume:commit", relume_commit},
              {"relume:scene", info.scene_name},
              {"relume:method", info.method},
              {"relume:records", fmt::format("{}", info.records)},
+             {"relume:average_records", fmt::format("{}", info.average_records)},
+             {"relume:target_error", fmt::format("{}", info.target_error)},
              {"relume:spp", fmt::format("{}", info.spp)},
              {"relume:seed", fmt::format("{}", info.seed)}});
 }
@@ -61,6 +72,21 @@ void save_frame(const RelightState& state, const DisplayTransform& display,
   } else {
     throw Error(ErrorKind::usage, path.string() + ": unknown picture format; use .exr or .png");
   }
+}
+
+void save_predicted_error(const RelightCache& cache, const std::filesystem::path& path) {
+  const CacheInfo& info = cache.info();
+  if (!info.has_predicted_error) {
+    throw Error(ErrorKind::usage,
+                fmt::format("--predicted-error: method {} predicted no errors", info.method));
+  }
+  write_png(path, render_heatmap(make_map(info.width, info.height, cache.predicted_error()), {}));
+}
+
+void save_record_map(const RelightCache& cache, const std::filesystem::path& path) {
+  const CacheInfo& info = cache.info();
+  write_png(path, render_heatmap(make_map(info.width, info.height, cache.record_counts()),
+                                 {.range = record_map_range(info.records)}));
 }
 
 }  // namespace relume

@@ -9,9 +9,17 @@
 namespace relume {
 
 /// Writes state.frame: a path that ends in .exr gets scene-linear beauty (R, G, B), one layer per
-/// light (light.<name>.R ...) that sum to it, coverage (A) and metadata; any other a PNG through
-/// `display`.
+/// light (light.<name>.R ...) that sum to it, coverage (A), records per pixel (records.V),
+/// predicted error where the cache has it (predicted_error.V), and metadata; any other a PNG
+/// through `display`.
 void save_frame(const RelightState& state, const DisplayTransform& display,
                 const std::filesystem::path& path);
+
+/// Writes the predicted error of each pixel in false colour with an automatic scale, as a PNG.
+/// Throws Error(usage) when the cache has none.
+void save_predicted_error(const RelightCache& cache, const std::filesystem::path& path);
+
+/// Writes how many records each pixel has in false colour, as a PNG (scale: record_map_range).
+void save_record_map(const RelightCache& cache, const std::filesystem::path& path);
 
 }  // namespace relume
