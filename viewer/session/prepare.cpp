@@ -50,6 +50,8 @@ CacheInfo make_info(const Scene& scene, const ViewSampler& view, const PreparePa
   info.spp = view.strata.spp;
   info.records =
       params.reduction.method == ReductionMethod::all ? info.spp : params.reduction.records;
+  info.average_records = params.budget.average_records;
+  info.target_error = params.budget.target_error;
   info.seed = params.reduction.seed;
   info.sample_count = samples;
   info.scene_name = scene.name;
