@@ -1,6 +1,7 @@
 #include "reduction/methods/kmedoids.h"
 
 #include <limits>
+#include <numeric>
 
 #include "core/base/check.h"
 #include "reduction/distance.h"
@@ -12,27 +13,33 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 
 /// State of one run.
 struct Run {
+  const MedoidCosts& costs;
   int rows;
-  std::vector<float> distances;  ///< medoid x row
-  std::vector<int> medoids;
+  std::vector<int> medoids;   ///< indices into candidates
   std::vector<int> nearest;   ///< per row, index into medoids
-  std::vector<float> first;   ///< per row, distance to the nearest medoid
-  std::vector<float> second;  ///< and to the second nearest
+  std::vector<float> first;   ///< per row, cost with the nearest medoid
+  std::vector<float> second;  ///< and with the second nearest
 
-  const float* distances_of(int row) const { return &distances[static_cast<size_t>(row) * rows]; }
+  int candidate_count() const { return static_cast<int>(costs.candidates.size()); }
+  int row_of(int candidate) const { return costs.candidates[candidate]; }
+  const float* costs_of(int candidate) const {
+    return &costs.values[static_cast<size_t>(candidate) * rows];
+  }
 };
 
-std::vector<float> squared_distances(const Features& features) {
+MedoidCosts squared_distances(const Features& features) {
   const int rows = features.rows;
-  std::vector<float> distances(static_cast<size_t>(rows) * rows, 0.0f);
+  MedoidCosts costs{std::vector<int>(rows),
+                    std::vector<float>(static_cast<size_t>(rows) * rows, 0.0f)};
+  std::iota(costs.candidates.begin(), costs.candidates.end(), 0);
   for (int a = 0; a < rows; ++a) {
     for (int b = 0; b < a; ++b) {
       const float d = squared_distance(features.row(a), features.row(b), features.dimensions);
-      distances[static_cast<size_t>(a) * rows + b] = d;
-      distances[static_cast<size_t>(b) * rows + a] = d;
+      costs.values[static_cast<size_t>(a) * rows + b] = d;
+      costs.values[static_cast<size_t>(b) * rows + a] = d;
     }
   }
-  return distances;
+  return costs;
 }
 
 void find_nearest(Run& run) {
@@ -40,7 +47,7 @@ void find_nearest(Run& run) {
   run.first.assign(run.rows, infinite);
   run.second.assign(run.rows, infinite);
   for (int m = 0; m < static_cast<int>(run.medoids.size()); ++m) {
-    const float* distances = run.distances_of(run.medoids[m]);
+    const float* distances = run.costs_of(run.medoids[m]);
     for (int row = 0; row < run.rows; ++row) {
       const float d = distances[row];
       if (d < run.first[row]) {
@@ -54,20 +61,20 @@ void find_nearest(Run& run) {
   }
 }
 
-/// The row that, added to the medoids, lowers the sum most; -1 when none does.
+/// The candidate that, added to the medoids, lowers the sum most; -1 when none does.
 int best_addition(const Run& run) {
   int best = -1;
   double least = std::numeric_limits<double>::infinity();
-  for (int row = 0; row < run.rows; ++row) {
-    if (!(run.first[row] > 0)) continue;
-    const float* distances = run.distances_of(row);
+  for (int candidate = 0; candidate < run.candidate_count(); ++candidate) {
+    if (!(run.first[run.row_of(candidate)] > 0)) continue;
+    const float* distances = run.costs_of(candidate);
     double sum = 0;
     for (int other = 0; other < run.rows; ++other) {
       sum += std::min(distances[other], run.first[other]);
     }
     if (!(sum < least)) continue;
     least = sum;
-    best = row;
+    best = candidate;
   }
   return best;
 }
@@ -87,12 +94,12 @@ bool make_best_exchange(Run& run) {
   double total = 0;
   for (const float d : run.first) total += d;
   double best_change = -1e-6 * total;
-  int best_row = -1;
+  int best_candidate = -1;
   size_t best_medoid = 0;
   std::vector<double> changes;
-  for (int row = 0; row < run.rows; ++row) {
-    if (!(run.first[row] > 0)) continue;  // a medoid, or equal to one
-    const float* distances = run.distances_of(row);
+  for (int candidate = 0; candidate < run.candidate_count(); ++candidate) {
+    if (!(run.first[run.row_of(candidate)] > 0)) continue;  // a medoid, or equal to one
+    const float* distances = run.costs_of(candidate);
     changes = losses;
     double shared = 0;  // what every exchange with this row gains
     for (int other = 0; other < run.rows; ++other) {
@@ -108,12 +115,12 @@ bool make_best_exchange(Run& run) {
     for (size_t m = 0; m < changes.size(); ++m) {
       if (!(changes[m] + shared < best_change)) continue;
       best_change = changes[m] + shared;
-      best_row = row;
+      best_candidate = candidate;
       best_medoid = m;
     }
   }
-  if (best_row < 0) return false;
-  run.medoids[best_medoid] = best_row;
+  if (best_candidate < 0) return false;
+  run.medoids[best_medoid] = best_candidate;
   return true;
 }
 
@@ -123,18 +130,19 @@ Clustering kmedoids(const Features& features, int k, int max_iterations) {
   return kmedoids(squared_distances(features), features.rows, k, max_iterations);
 }
 
-Clustering kmedoids(std::vector<float> distances, int rows, int k, int max_iterations) {
-  CHECK_MSG(k >= 1 && k <= rows && distances.size() == static_cast<size_t>(rows) * rows,
+Clustering kmedoids(const MedoidCosts& costs, int rows, int k, int max_iterations) {
+  CHECK_MSG(k >= 1 && k <= rows &&
+                costs.values.size() == costs.candidates.size() * static_cast<size_t>(rows),
             "k {} rows {}", k, rows);
-  Run run{rows, std::move(distances), {}, {}, {}, {}};
+  Run run{costs, rows, {}, {}, {}, {}};
   // With no medoid yet every row is as far as can be summed.
   float farthest = 0;
-  for (const float d : run.distances) farthest = std::max(farthest, d);
-  run.first.assign(run.rows, farthest > 0 ? farthest : 1.0f);
+  for (const float d : costs.values) farthest = std::max(farthest, d);
+  run.first.assign(rows, farthest > 0 ? farthest : 1.0f);
   while (static_cast<int>(run.medoids.size()) < k) {
-    const int row = best_addition(run);
-    if (row < 0) break;
-    run.medoids.push_back(row);
+    const int candidate = best_addition(run);
+    if (candidate < 0) break;
+    run.medoids.push_back(candidate);
     find_nearest(run);
   }
   // With one medoid BUILD has found the best already.
@@ -142,7 +150,8 @@ Clustering kmedoids(std::vector<float> distances, int rows, int k, int max_itera
     if (!make_best_exchange(run)) break;
     find_nearest(run);
   }
-  return {run.nearest, run.medoids};
+  for (int& medoid : run.medoids) medoid = run.row_of(medoid);
+  return {std::move(run.nearest), std::move(run.medoids)};
 }
 
 }  // namespace relume

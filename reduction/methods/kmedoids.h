@@ -14,8 +14,14 @@ namespace relume {
 /// time an exchange.
 Clustering kmedoids(const Features& features, int k, int max_iterations);
 
-/// The same for any dissimilarity: distances[m * rows + i] >= 0 is what row i costs when row m is
-/// its medoid, 0 for i = m; it need not be symmetric.
-Clustering kmedoids(std::vector<float> distances, int rows, int k, int max_iterations);
+/// Any dissimilarity of rows from those among them that may be medoids; it need not be symmetric.
+struct MedoidCosts {
+  std::vector<int> candidates;  ///< rows, ascending
+  std::vector<float> values;    ///< [m * rows + i] >= 0: what row i costs with candidates[m] as medoid
+};
+
+/// The same over `rows` rows, of which only the candidates may become medoids; a medoid must cost 0
+/// with itself. Memory and time of an exchange are candidates * rows.
+Clustering kmedoids(const MedoidCosts& costs, int rows, int k, int max_iterations);
 
 }  // namespace relume

@@ -13,6 +13,7 @@ namespace {
 
 constexpr float smallest_cone_rad = 0.2f;
 constexpr int max_exchanges = 30;
+constexpr int max_candidates = 64;  // for medoids: of 256 samples every fourth
 
 /// One cluster's own target, prior and members.
 struct Cluster {
@@ -164,8 +165,8 @@ LightFit::LightFit(const LobeEvaluator& evaluator, const LightFitParams& params)
 
 bool LightFit::load(std::span<const SampleMatrix> matrices, float weight_per_sample) {
   if (!pixel_.load(matrices, weight_per_sample, is_fitted_)) return false;
-  unexplained_ = pixel_.unexplained(params_.position_weight);
-  return std::all_of(unexplained_.begin(), unexplained_.end(),
+  unexplained_ = pixel_.unexplained(params_.position_weight, max_candidates);
+  return std::all_of(unexplained_.values.begin(), unexplained_.values.end(),
                      [](float x) { return is_finite(x); });
 }
 

@@ -58,7 +58,7 @@ class LightFit {
   LightFitParams params_;
   std::vector<bool> is_fitted_;  ///< per type
   FitPixel pixel_;
-  std::vector<float> unexplained_;
+  MedoidCosts unexplained_;
 };
 
 }  // namespace relume

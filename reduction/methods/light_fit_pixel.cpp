@@ -7,30 +7,101 @@
 namespace relume {
 namespace {
 
-/// Products of the two lobes of a record with each other.
-struct TwoLobes {
-  float a;  ///< first with first
-  float b;  ///< first with second
-  float d;  ///< second with second
-};
-
-/// The squared length of the best approximation, with colours x, y >= 0, of a response whose
-/// products with the lobes are r0 and r1.
-float explained(const TwoLobes& lobes, float r0, float r1) {
-  const float first = lobes.a > 0 && r0 > 0 ? r0 * r0 / lobes.a : 0;
-  const float second = lobes.d > 0 && r1 > 0 ? r1 * r1 / lobes.d : 0;
-  const float determinant = lobes.a * lobes.d - lobes.b * lobes.b;
-  if (determinant > 1e-4f * lobes.a * lobes.d) {
-    const float x = lobes.d * r0 - lobes.b * r1;
-    const float y = lobes.a * r1 - lobes.b * r0;
-    if (x >= 0 && y >= 0) return (x * r0 + y * r1) / determinant;
-  }
-  return std::max(first, second);
-}
+static_assert(max_lobes == 2);
 
 dvec3 position_of(const FitSample& sample) {
   return {sample.vector[0], sample.vector[1], sample.vector[2]};
 }
+
+/// What the costs of a cluster are made of, with all samples side by side so that the loops over them
+/// vectorise.
+class SampleArrays {
+ public:
+  explicit SampleArrays(const FitPixel& pixel) : n_(pixel.samples.size()), values_(n_ * array_count) {
+    const LobeEvaluator& evaluator = pixel.evaluator;
+    const auto columns = static_cast<size_t>(pixel.columns);
+    dvec3 mean(0);
+    for (const FitSample& s : pixel.samples) mean += position_of(s);
+    mean /= static_cast<double>(n_);
+    double spread = 0;
+    for (size_t i = 0; i < n_; ++i) {
+      const FitSample& sample = pixel.samples[i];
+      const dvec3 offset = position_of(sample) - mean;
+      spread += glm::dot(offset, offset);
+      for (size_t c = 0; c < 3; ++c) {
+        array(position + c)[i] = static_cast<float>(offset[c]);
+        for (int k = 0; k < evaluator.lobe_count(sample.type); ++k) {
+          array(color + 3 * k + c)[i] =
+              sample.vector[evaluator.color_offset(sample.type, k) + static_cast<int>(c)];
+        }
+        float squares = 0;
+        for (size_t j = 0; j < columns; ++j) {
+          squares += sample.v[c * columns + j] * sample.v[c * columns + j];
+        }
+        array(energy + c)[i] = squares;
+      }
+    }
+    inverse_square_ = spread > 0 ? static_cast<float>(static_cast<double>(n_) / (2 * spread)) : 0;
+    if (!is_finite(inverse_square_)) inverse_square_ = 0;
+  }
+
+  /// costs[i]: see FitPixel::unexplained. products[(a * 2 + b) * n + i] is that of the candidate's lobe
+  /// a with sample i's lobe b.
+  void add_costs(size_t candidate, const float* products, float position_weight,
+                 float* costs) const {
+    // Products of the candidate's lobes with each other.
+    const float a = products[candidate];
+    const float b = products[n_ + candidate];
+    const float d = products[3 * n_ + candidate];
+    const float determinant = a * d - b * b;
+    const bool two = determinant > 1e-4f * a * d;
+    const float inverse_determinant = two ? 1 / determinant : 0;
+    const float inverse_a = a > 0 ? 1 / a : 0;
+    const float inverse_d = d > 0 ? 1 / d : 0;
+    std::fill(costs, costs + n_, 0.0f);
+    for (size_t c = 0; c < 3; ++c) {
+      const float* first = array(color + c);
+      const float* second = array(color + 3 + c);
+      const float* squares = array(energy + c);
+      for (size_t i = 0; i < n_; ++i) {
+        // The squared length of the best approximation of the sample's channel with colours >= 0:
+        // both lobes where both colours come out positive, else the better one.
+        const float r0 = first[i] * products[i] + second[i] * products[n_ + i];
+        const float r1 = first[i] * products[2 * n_ + i] + second[i] * products[3 * n_ + i];
+        const float x = d * r0 - b * r1;
+        const float y = a * r1 - b * r0;
+        const float p0 = std::max(r0, 0.0f);
+        const float p1 = std::max(r1, 0.0f);
+        const float one_lobe = std::max(p0 * p0 * inverse_a, p1 * p1 * inverse_d);
+        const float both = (x * r0 + y * r1) * inverse_determinant;
+        const float explained = x >= 0 && y >= 0 && two ? both : one_lobe;
+        costs[i] += std::max(0.0f, squares[i] - explained);
+      }
+    }
+    const float weight = position_weight * inverse_square_;
+    const float* p[3] = {array(position), array(position + 1), array(position + 2)};
+    for (size_t i = 0; i < n_; ++i) {
+      const float dx = p[0][i] - p[0][candidate];
+      const float dy = p[1][i] - p[1][candidate];
+      const float dz = p[2][i] - p[2][candidate];
+      const float total = array(energy)[i] + array(energy + 1)[i] + array(energy + 2)[i];
+      costs[i] += total * weight * (dx * dx + dy * dy + dz * dz);
+    }
+  }
+
+ private:
+  static constexpr size_t position = 0;
+  static constexpr size_t color = 3;
+  static constexpr size_t energy = color + 3 * size_t{max_lobes};
+  static constexpr size_t array_count = energy + 3;
+
+  float* array(size_t index) { return &values_[index * n_]; }
+  const float* array(size_t index) const { return &values_[index * n_]; }
+
+  size_t n_;
+  std::vector<float> values_;
+  float inverse_square_ = 0;
+};
 
 }  // namespace
 
@@ -100,54 +171,26 @@ void FitPixel::make_responses(std::span<const SampleMatrix> matrices,
   }
 }
 
-std::vector<float> FitPixel::unexplained(float position_weight) const {
+MedoidCosts FitPixel::unexplained(float position_weight, int max_candidates) const {
   const auto n_samples = static_cast<size_t>(n());
-  const size_t n_lobes = n_samples * max_lobes;
-  std::vector<float> gram(n_lobes * n_lobes);
-  dot_products(lobes_.data(), static_cast<int>(n_lobes), columns, lobes_.data(),
-               static_cast<int>(n_lobes), columns, columns, gram.data(), static_cast<int>(n_lobes));
-  dvec3 mean(0);
-  for (const FitSample& s : samples) mean += position_of(s);
-  mean /= n();
-  double spread = 0;
-  for (const FitSample& s : samples) {
-    const dvec3 d = position_of(s) - mean;
-    spread += glm::dot(d, d);
+  MedoidCosts costs;
+  const int count = std::min(n(), max_candidates);
+  for (int m = 0; m < count; ++m) {
+    costs.candidates.push_back(static_cast<int>(int64_t{m} * n() / count));
   }
-  const double per_square = spread > 0 ? double{position_weight} * n() / (2 * spread) : 0;
-  std::vector<float> costs(n_samples * n_samples, 0.0f);
-  for (size_t i = 0; i < n_samples; ++i) {
-    const FitSample& sample = samples[i];
-    const int lobe_count = evaluator.lobe_count(sample.type);
-    float energy[3];
-    float total = 0;
-    const auto color = [&](int lobe, size_t c) {
-      return lobe < lobe_count ? sample.vector[evaluator.color_offset(sample.type, lobe) + c]
-                               : 0.0f;
-    };
-    const auto product = [&](size_t m, int a, int b) {
-      return gram[(m * max_lobes + a) * n_lobes + i * max_lobes + b];
-    };
-    for (size_t c = 0; c < 3; ++c) {
-      energy[c] = color(0, c) * color(0, c) * product(i, 0, 0) +
-                  2 * color(0, c) * color(1, c) * product(i, 0, 1) +
-                  color(1, c) * color(1, c) * product(i, 1, 1);
-      total += energy[c];
+  costs.values.resize(costs.candidates.size() * n_samples);
+  const SampleArrays arrays(*this);
+  std::vector<float> products(size_t{4} * n_samples);
+  for (size_t m = 0; m < costs.candidates.size(); ++m) {
+    const auto candidate = static_cast<size_t>(costs.candidates[m]);
+    for (int b = 0; b < max_lobes; ++b) {
+      dot_products(samples[candidate].lobes, max_lobes, columns,
+                   &lobes_[static_cast<size_t>(b) * columns], n(), max_lobes * columns, columns,
+                   &products[static_cast<size_t>(b) * n_samples], max_lobes * n());
     }
-    for (size_t m = 0; m < n_samples; ++m) {
-      if (m == i) continue;
-      const float* diagonal = &gram[m * max_lobes * (n_lobes + 1)];
-      const TwoLobes lobes{diagonal[0], diagonal[1], diagonal[n_lobes + 1]};
-      float cost = 0;
-      for (size_t c = 0; c < 3; ++c) {
-        const float r0 = color(0, c) * product(m, 0, 0) + color(1, c) * product(m, 0, 1);
-        const float r1 = color(0, c) * product(m, 1, 0) + color(1, c) * product(m, 1, 1);
-        cost += std::max(0.0f, energy[c] - explained(lobes, r0, r1));
-      }
-      const dvec3 d = position_of(sample) - position_of(samples[m]);
-      cost += total * static_cast<float>(std::min(per_square * glm::dot(d, d), 1e6));
-      costs[m * n_samples + i] = cost;
-    }
+    float* row = &costs.values[m * n_samples];
+    arrays.add_costs(candidate, products.data(), position_weight, row);
+    row[candidate] = 0;
   }
   return costs;
 }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "reduction/methods/kmedoids.h"
 #include "reduction/pixel_responses.h"
 
 namespace relume {
@@ -25,12 +26,12 @@ class FitPixel {
   bool load(std::span<const SampleMatrix> matrices, float weight_per_sample,
             const std::vector<bool>& is_fitted);
 
-  /// What sample i costs in a cluster whose record has the lobes of sample m, in distances[m * n +
-  /// i]: the part of its response that those lobes cannot explain with any colours >= 0, squared
-  /// over lights and RGB, plus `position_weight` of its squared response times its squared distance
-  /// from m over the pixel's mean squared distance. So samples that differ in colour alone cost
-  /// nothing: their colours add. Values sum to order 1.
-  std::vector<float> unexplained(float position_weight) const;
+  /// What sample i costs in a cluster whose record has the lobes of candidate m: the part of its
+  /// response that those lobes cannot explain with any colours >= 0, squared over lights and RGB, plus
+  /// `position_weight` of its squared response times its squared distance from m over the pixel's mean
+  /// squared distance. So samples that differ in colour alone cost nothing: their colours add. At most
+  /// `max_candidates` samples, evenly spread over the list, stand as candidates.
+  MedoidCosts unexplained(float position_weight, int max_candidates) const;
 
   int n() const { return static_cast<int>(samples.size()); }
   size_t length() const { return size_t(3) * columns; }
