@@ -22,13 +22,15 @@ std::vector<int> order_by_remainder(std::span<const int> counts, int64_t k, int6
   return order;
 }
 
-/// Gives types without a record one of those of the richest type.
-void give_each_one(std::span<const int> counts, std::vector<int>& allocation) {
+/// Gives types without a record one of those of the richest type, unless a quarter of a record is
+/// more than their share of k.
+void keep_rare_types(std::span<const int> counts, int64_t k, int64_t total,
+                     std::vector<int>& allocation) {
   std::vector<int> order(counts.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return counts[a] > counts[b]; });
   for (const int needy : order) {
-    if (counts[needy] == 0 || allocation[needy] > 0) continue;
+    if (allocation[needy] > 0 || 4 * counts[needy] * k < total) continue;
     const auto richest = std::max_element(allocation.begin(), allocation.end());
     if (*richest < 2) return;
     --*richest;
@@ -38,7 +40,7 @@ void give_each_one(std::span<const int> counts, std::vector<int>& allocation) {
 
 }  // namespace
 
-std::vector<int> allocate_records(std::span<const int> samples_per_type, int k, bool at_least_one) {
+std::vector<int> allocate_records(std::span<const int> samples_per_type, int k, bool keep_types) {
   CHECK_MSG(k >= 0, "k {}", k);
   const std::span<const int> counts = samples_per_type;
   const int64_t total = std::accumulate(counts.begin(), counts.end(), int64_t{0});
@@ -56,7 +58,7 @@ std::vector<int> allocate_records(std::span<const int> samples_per_type, int k, 
     ++allocation[t];
     --left;
   }
-  if (at_least_one) give_each_one(counts, allocation);
+  if (keep_types) keep_rare_types(counts, k, total, allocation);
   return allocation;
 }
 

@@ -12,9 +12,9 @@ enum class ReductionMethod {
   all,     ///< every sample is a record: the reference
   pure,    ///< no reduction: the sampler takes k fresh stratified samples (TR2007-600 sec. 4.2)
   kmeans,  ///< the report's K-means, sec. 3.1, on raw fields from the first k samples
-  strong_kmeans,  ///< k-means++ with restarts on scaled fields, at least one record a type
-  kmedoids,       ///< partitioning around medoids on scaled fields, at least one record a type
-  cmeans,  ///< fuzzy C-means (the report's sec. 5) on scaled fields, at least one record a type
+  strong_kmeans,   ///< k-means++ with restarts on scaled fields, keeps rare types
+  kmedoids,        ///< partitioning around medoids on scaled fields, keeps rare types
+  cmeans,          ///< fuzzy C-means (the report's sec. 5) on scaled fields, keeps rare types
   light_metric_1,  ///< the samples closest to the pixel under the training lights, sec. 3.2, eq. 4
   light_metric_2,  ///< the same, drawn from shader groups, sec. 3.3, eq. 5
   light_metric_3,  ///< the same, with the most typical white-Lambert member of each cluster,

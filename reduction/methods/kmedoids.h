@@ -17,7 +17,8 @@ Clustering kmedoids(const Features& features, int k, int max_iterations);
 /// Any dissimilarity of rows from those among them that may be medoids; it need not be symmetric.
 struct MedoidCosts {
   std::vector<int> candidates;  ///< rows, ascending
-  std::vector<float> values;    ///< [m * rows + i] >= 0: what row i costs with candidates[m] as medoid
+  std::vector<float>
+      values;  ///< [m * rows + i] >= 0: what row i costs with candidates[m] as medoid
 };
 
 /// The same over `rows` rows, of which only the candidates may become medoids; a medoid must cost 0

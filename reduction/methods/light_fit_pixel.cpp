@@ -13,11 +13,12 @@ dvec3 position_of(const FitSample& sample) {
   return {sample.vector[0], sample.vector[1], sample.vector[2]};
 }
 
-/// What the costs of a cluster are made of, with all samples side by side so that the loops over them
-/// vectorise.
+/// What the costs of a cluster are made of, with all samples side by side so that the loops over
+/// them vectorise.
 class SampleArrays {
  public:
-  explicit SampleArrays(const FitPixel& pixel) : n_(pixel.samples.size()), values_(n_ * array_count) {
+  explicit SampleArrays(const FitPixel& pixel)
+      : n_(pixel.samples.size()), values_(n_ * array_count) {
     const LobeEvaluator& evaluator = pixel.evaluator;
     const auto columns = static_cast<size_t>(pixel.columns);
     dvec3 mean(0);
@@ -45,8 +46,8 @@ class SampleArrays {
     if (!is_finite(inverse_square_)) inverse_square_ = 0;
   }
 
-  /// costs[i]: see FitPixel::unexplained. products[(a * 2 + b) * n + i] is that of the candidate's lobe
-  /// a with sample i's lobe b.
+  /// costs[i]: see FitPixel::unexplained. products[(a * 2 + b) * n + i] is that of the candidate's
+  /// lobe a with sample i's lobe b.
   void add_costs(size_t candidate, const float* products, float position_weight,
                  float* costs) const {
     // Products of the candidate's lobes with each other.

@@ -27,10 +27,11 @@ class FitPixel {
             const std::vector<bool>& is_fitted);
 
   /// What sample i costs in a cluster whose record has the lobes of candidate m: the part of its
-  /// response that those lobes cannot explain with any colours >= 0, squared over lights and RGB, plus
-  /// `position_weight` of its squared response times its squared distance from m over the pixel's mean
-  /// squared distance. So samples that differ in colour alone cost nothing: their colours add. At most
-  /// `max_candidates` samples, evenly spread over the list, stand as candidates.
+  /// response that those lobes cannot explain with any colours >= 0, squared over lights and RGB,
+  /// plus `position_weight` of its squared response times its squared distance from m over the
+  /// pixel's mean squared distance. So samples that differ in colour alone cost nothing: their
+  /// colours add. At most `max_candidates` samples, evenly spread over the list, stand as
+  /// candidates.
   MedoidCosts unexplained(float position_weight, int max_candidates) const;
 
   int n() const { return static_cast<int>(samples.size()); }

@@ -27,7 +27,8 @@ std::vector<MethodTrial> make_trials(const StudyOptions& options) {
   }
   std::vector<MethodTrial> trials;
   if (options.truth_spp > 0) {
-    // What the report starts from, with and without its reduction, is as far from the truth as it is.
+    // What the report starts from, with and without its reduction, is as far from the truth as it
+    // is.
     trials.push_back({ReductionMethod::all, report_spp, report_spp, {}});
     trials.push_back({ReductionMethod::kmeans, report_spp, 8, {}});
     if (options.spp != report_spp) {
