@@ -1,6 +1,5 @@
 #include "reduction/merge.h"
 
-#include <numeric>
 #include <span>
 
 #include "core/base/check.h"
@@ -12,17 +11,19 @@ bool is_unit(FieldKind kind) {
   return kind == FieldKind::direction || kind == FieldKind::axis;
 }
 
-/// Mean of one field over all rows, weighted by `memberships`, into `out` (whose first values are
-/// the representative's).
-void average_field(const SampleMatrix& samples, std::span<const float> memberships,
+/// A row's share in a cluster.
+struct Member {
+  int row;
+  double weight;  ///< > 0
+};
+
+/// Mean of one field over the members into `out` (whose first values are the representative's).
+void average_field(const SampleMatrix& samples, std::span<const Member> members, double total,
                    const float* representative, const SampleField& field, int offset, float* out) {
   double sum[3] = {0, 0, 0};
-  double total = 0;
-  for (int row = 0; row < samples.rows; ++row) {
-    if (!(memberships[row] > 0)) continue;
-    const float* value = samples.row(row) + offset;
-    double weight = memberships[row];
-    total += weight;
+  for (const Member& member : members) {
+    const float* value = samples.row(member.row) + offset;
+    double weight = member.weight;
     if (field.kind == FieldKind::axis) {
       double side = 0;
       for (int c = 0; c < field.width; ++c) side += double{value[c]} * representative[offset + c];
@@ -30,7 +31,6 @@ void average_field(const SampleMatrix& samples, std::span<const float> membershi
     }
     for (int c = 0; c < field.width; ++c) sum[c] += weight * value[c];
   }
-  CHECK_MSG(total > 0, "a cluster of no members, of {} rows", samples.rows);
   if (is_unit(field.kind)) {
     const double length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
     if (!(length > 1e-6 * total)) return;
@@ -41,45 +41,56 @@ void average_field(const SampleMatrix& samples, std::span<const float> membershi
 }
 
 /// Appends the record of one cluster.
-void merge_cluster(const SampleMatrix& samples, std::span<const float> memberships,
+void merge_cluster(const SampleMatrix& samples, std::span<const Member> members,
                    int representative_row, float weight_per_sample, TypedRows& out) {
+  CHECK_MSG(!members.empty(), "a cluster of no members, of {} rows", samples.rows);
   const SampleType& type = *samples.type;
   const float* representative = samples.row(representative_row);
+  double total = 0;
+  for (const Member& member : members) total += member.weight;
   const size_t start = out.values.size();
   out.values.insert(out.values.end(), representative, representative + type.width);
   for (size_t f = 0; f < type.field_count(); ++f) {
     if (type.merges[f] != Merge::average) continue;
-    average_field(samples, memberships, representative, type.field(f), type.offsets[f],
+    average_field(samples, members, total, representative, type.field(f), type.offsets[f],
                   &out.values[start + type.offsets[f]]);
   }
-  const double members = std::accumulate(memberships.begin(), memberships.end(), 0.0);
-  out.weights.push_back(static_cast<float>(weight_per_sample * members));
+  out.weights.push_back(static_cast<float>(weight_per_sample * total));
 }
 
 }  // namespace
 
 void merge_clusters(const SampleMatrix& samples, const Clustering& clustering,
                     float weight_per_sample, TypedRows& out) {
-  std::vector<float> memberships(samples.rows);
+  // Rows sorted by cluster: after the loop over rows, ends[c] is where cluster c ends.
+  std::vector<Member> members(samples.rows);
+  std::vector<int> ends(clustering.count() + 1, 0);
+  for (const int cluster : clustering.cluster_of) ++ends[cluster + 1];
+  for (int cluster = 0; cluster < clustering.count(); ++cluster) ends[cluster + 1] += ends[cluster];
+  for (int row = 0; row < samples.rows; ++row) {
+    members[ends[clustering.cluster_of[row]]++] = {row, 1.0};
+  }
+  int start = 0;
   for (int cluster = 0; cluster < clustering.count(); ++cluster) {
-    for (int row = 0; row < samples.rows; ++row) {
-      memberships[row] = clustering.cluster_of[row] == cluster ? 1.0f : 0.0f;
-    }
-    merge_cluster(samples, memberships, clustering.representatives[cluster], weight_per_sample,
-                  out);
+    const int end = ends[cluster];
+    merge_cluster(samples, std::span(members).subspan(start, end - start),
+                  clustering.representatives[cluster], weight_per_sample, out);
+    start = end;
   }
 }
 
 void merge_fuzzy_clusters(const SampleMatrix& samples, const FuzzyClustering& clustering,
                           float weight_per_sample, TypedRows& out) {
-  std::vector<float> memberships(samples.rows);
+  std::vector<Member> members;
+  members.reserve(samples.rows);
   for (int cluster = 0; cluster < clustering.count(); ++cluster) {
+    members.clear();
     for (int row = 0; row < samples.rows; ++row) {
-      memberships[row] =
+      const float share =
           clustering.memberships[static_cast<size_t>(row) * clustering.count() + cluster];
+      if (share > 0) members.push_back({row, share});
     }
-    merge_cluster(samples, memberships, clustering.representatives[cluster], weight_per_sample,
-                  out);
+    merge_cluster(samples, members, clustering.representatives[cluster], weight_per_sample, out);
   }
 }
 

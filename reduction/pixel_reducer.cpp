@@ -132,9 +132,10 @@ void PixelReducer::reduce_type(size_t type, int k, float weight, Random& random,
     case ReductionMethod::strong_kmeans:
     case ReductionMethod::light_fit_fast:
     case ReductionMethod::light_fit:
-      merge_clusters(samples,
-                     strong_kmeans(features_, k, params_.restarts, params_.max_iterations, random),
-                     weight, records);
+      merge_clusters(
+          samples,
+          strong_kmeans(features_, k, params_.restarts, params_.max_iterations, random, kmeans_),
+          weight, records);
       return;
     case ReductionMethod::kmedoids:
       merge_clusters(samples, kmedoids(features_, k, params_.max_iterations), weight, records);

@@ -4,6 +4,7 @@
 
 #include "core/samples/sample_tile.h"
 #include "reduction/budget.h"
+#include "reduction/methods/kmeans.h"
 #include "reduction/methods/light_fit.h"
 #include "reduction/methods/light_metric.h"
 #include "reduction/reduction.h"
@@ -70,6 +71,7 @@ class PixelReducer {
   std::vector<float> target_;  ///< 3 x columns: the pixel under the validation lights
   PixelRecords trial_;
   Features features_;
+  KmeansBuffers kmeans_;
   std::vector<int> first_k_;
   std::vector<float> lobes_;
   std::vector<float> values_;

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/base/check.h"
-#include "reduction/distance.h"
 #include "reduction/methods/kmeans.h"
 
 namespace relume {
@@ -16,17 +15,16 @@ constexpr float settled = 1e-3f;
 /// State of one run.
 struct Run {
   const Features& features;
+  const FeatureColumns& columns;  ///< the features' own
   int k;
   std::vector<float> centroids;    ///< k x dimensions
+  std::vector<float> distances;    ///< k x columns.stride, squared: see eval_centroid_distances
   std::vector<float> memberships;  ///< rows x k
 
-  const float* centroid(int cluster) const {
-    return &centroids[static_cast<size_t>(cluster) * features.dimensions];
-  }
   float* row_memberships(int row) { return &memberships[static_cast<size_t>(row) * k]; }
   const float* row_memberships(int row) const { return &memberships[static_cast<size_t>(row) * k]; }
   float distance(int row, int cluster) const {
-    return squared_distance(features.row(row), centroid(cluster), features.dimensions);
+    return distances[static_cast<size_t>(cluster) * columns.stride + row];
   }
 };
 
@@ -52,8 +50,14 @@ void share_row(std::vector<float>& values) {
   for (float& value : values) value /= sum;
 }
 
+/// Distances of all rows from the centroids where they are now.
+void eval_centroid_distances(Run& run) {
+  eval_distances(run.columns, run.centroids.data(), run.k, run.distances.data());
+}
+
 /// New memberships; the largest change.
 float update_memberships(Run& run) {
+  eval_centroid_distances(run);
   std::vector<float> values(run.k);
   float most = 0;
   for (int row = 0; row < run.features.rows; ++row) {
@@ -94,8 +98,10 @@ void update_centroids(Run& run) {
 }
 
 /// Starts at the centroids of a hard clustering.
-Run start_run(const Features& features, const Clustering& clustering) {
-  Run run{features, clustering.count(), {}, {}};
+Run start_run(const Features& features, const FeatureColumns& columns,
+              const Clustering& clustering) {
+  Run run{features, columns, clustering.count(), {}, {}, {}};
+  run.distances.resize(static_cast<size_t>(run.k) * columns.stride);
   run.centroids.assign(static_cast<size_t>(run.k) * features.dimensions, 0.0f);
   run.memberships.assign(static_cast<size_t>(features.rows) * run.k, 0.0f);
   for (int row = 0; row < features.rows; ++row) {
@@ -146,11 +152,14 @@ FuzzyClustering finish(const Run& run) {
 
 FuzzyClustering cmeans(const Features& features, int k, int restarts, int max_iterations,
                        Random& random) {
-  Run run = start_run(features, strong_kmeans(features, k, restarts, max_iterations, random));
+  KmeansBuffers buffers;
+  const Clustering start = strong_kmeans(features, k, restarts, max_iterations, random, buffers);
+  Run run = start_run(features, buffers.columns, start);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     if (update_memberships(run) < settled) break;
     update_centroids(run);
   }
+  eval_centroid_distances(run);
   return finish(run);
 }
 

@@ -1,137 +1,177 @@
 #include "reduction/methods/kmeans.h"
 
+#include <algorithm>
 #include <limits>
-#include <optional>
 
 #include "core/base/check.h"
-#include "reduction/distance.h"
+#include "core/simd/row_kernels.h"
 
 namespace relume {
 namespace {
 
-/// State of one run.
-struct Run {
-  const Features& features;
-  int k;
-  std::vector<float> centroids;  ///< k x dimensions
-  std::vector<int> cluster_of;
+constexpr float infinite = std::numeric_limits<float>::infinity();
 
-  const float* centroid(int cluster) const {
-    return &centroids[static_cast<size_t>(cluster) * features.dimensions];
-  }
-};
+void start_run(KmeansRun& run, int rows, int stride, int k) {
+  run.rows = rows;
+  run.stride = stride;
+  run.distances.resize(static_cast<size_t>(k) * stride);
+  run.cluster_of.assign(rows, -1);
+  run.nearest.resize(stride);
+  run.members.assign(k, 0);
+  run.changed.assign(k, false);
+  run.variances.assign(k, 0.0f);
+}
 
 /// Assigns every row to its nearest centroid; true when any assignment changed.
-bool assign(Run& run) {
-  bool changed = false;
-  for (int row = 0; row < run.features.rows; ++row) {
-    int nearest = 0;
-    float least = std::numeric_limits<float>::infinity();
-    for (int cluster = 0; cluster < run.k; ++cluster) {
-      const float d =
-          squared_distance(run.features.row(row), run.centroid(cluster), run.features.dimensions);
-      if (d < least) {
-        least = d;
-        nearest = cluster;
-      }
+bool assign(KmeansRun& run) {
+  best_row_kernels().nearest(run.distances.data(), run.k(), run.stride, run.nearest.data());
+  bool any = false;
+  for (int row = 0; row < run.rows; ++row) {
+    const int before = run.cluster_of[row];
+    const int now = run.nearest[row];
+    if (now == before) continue;
+    any = true;
+    run.cluster_of[row] = now;
+    run.changed[now] = true;
+    ++run.members[now];
+    if (before < 0) continue;
+    run.changed[before] = true;
+    --run.members[before];
+  }
+  return any;
+}
+
+/// Moves the centroids of changed clusters to the mean of their rows; empty ones stay.
+void update(KmeansRun& run, const Features& features, const FeatureColumns& columns,
+            std::vector<double>& sum, std::vector<float>& centroid) {
+  for (int cluster = 0; cluster < run.k(); ++cluster) {
+    if (!run.changed[cluster]) continue;
+    run.changed[cluster] = false;
+    if (run.members[cluster] == 0) continue;
+    sum.assign(features.dimensions, 0.0);
+    for (int row = 0; row < features.rows; ++row) {
+      if (run.cluster_of[row] != cluster) continue;
+      for (int i = 0; i < features.dimensions; ++i) sum[i] += features.row(row)[i];
     }
-    changed = changed || run.cluster_of[row] != nearest;
-    run.cluster_of[row] = nearest;
-  }
-  return changed;
-}
-
-/// Moves every centroid to the mean of its rows; empty ones stay.
-void update(Run& run) {
-  const int dimensions = run.features.dimensions;
-  std::vector<double> sums(run.centroids.size(), 0.0);
-  std::vector<int> members(run.k, 0);
-  for (int row = 0; row < run.features.rows; ++row) {
-    const int cluster = run.cluster_of[row];
-    ++members[cluster];
-    double* sum = &sums[static_cast<size_t>(cluster) * dimensions];
-    for (int i = 0; i < dimensions; ++i) sum[i] += run.features.row(row)[i];
-  }
-  for (int cluster = 0; cluster < run.k; ++cluster) {
-    if (members[cluster] == 0) continue;
-    const size_t start = static_cast<size_t>(cluster) * dimensions;
-    for (int i = 0; i < dimensions; ++i) {
-      run.centroids[start + i] = static_cast<float>(sums[start + i] / members[cluster]);
+    centroid.resize(features.dimensions);
+    for (int i = 0; i < features.dimensions; ++i) {
+      centroid[i] = static_cast<float>(sum[i] / run.members[cluster]);
     }
+    eval_distances(columns, centroid.data(), 1, run.distances_of(cluster));
   }
 }
 
-/// Drops empty clusters and picks representatives.
-Clustering finish(const Run& run) {
-  std::vector<int> nearest(run.k, -1);
-  std::vector<float> least(run.k, std::numeric_limits<float>::infinity());
-  for (int row = 0; row < run.features.rows; ++row) {
-    const int cluster = run.cluster_of[row];
-    const float d =
-        squared_distance(run.features.row(row), run.centroid(cluster), run.features.dimensions);
-    if (nearest[cluster] < 0 || d < least[cluster]) {
-      nearest[cluster] = row;
-      least[cluster] = d;
-    }
+/// Lists the rows by cluster, ascending within one.
+void sort_by_cluster(const KmeansRun& run, KmeansMembers& members) {
+  members.rows.resize(run.rows);
+  members.ends.resize(run.k());
+  int start = 0;
+  for (int cluster = 0; cluster < run.k(); ++cluster) {
+    members.ends[cluster] = start;
+    start += run.members[cluster];
   }
-  Clustering result;
-  std::vector<int> renumbered(run.k, -1);
-  for (int cluster = 0; cluster < run.k; ++cluster) {
-    if (nearest[cluster] < 0) continue;
-    renumbered[cluster] = result.count();
-    result.representatives.push_back(nearest[cluster]);
+  for (int row = 0; row < run.rows; ++row) {
+    members.rows[members.ends[run.cluster_of[row]]++] = row;
   }
-  for (const int cluster : run.cluster_of) result.cluster_of.push_back(renumbered[cluster]);
-  return result;
 }
 
-Run run_lloyd(const Features& features, std::span<const int> seeds, int max_iterations) {
-  Run run{features, static_cast<int>(seeds.size()), {}, std::vector<int>(features.rows, -1)};
-  for (const int seed : seeds) {
-    run.centroids.insert(run.centroids.end(), features.row(seed),
-                         features.row(seed) + features.dimensions);
+/// The same from distances of pairs alone.
+void update_by_pairs(KmeansRun& run, const PairDistances& pairs, KmeansMembers& members) {
+  sort_by_cluster(run, members);
+  for (int cluster = 0; cluster < run.k(); ++cluster) {
+    if (!run.changed[cluster]) continue;
+    run.changed[cluster] = false;
+    const int count = run.members[cluster];
+    if (count == 0) continue;
+    run.variances[cluster] = best_row_kernels().centroid_distances(
+        pairs.values.data(), pairs.stride, &members.rows[members.ends[cluster] - count], count,
+        run.distances_of(cluster));
   }
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    if (!assign(run)) break;
-    update(run);
-  }
-  return run;
 }
 
-double inertia(const Run& run) {
+/// The sum of squared distances of rows from their centroids, after update_by_pairs. 0 where all
+/// rows of every cluster coincide.
+double inertia(const KmeansRun& run) {
   double sum = 0;
-  for (int row = 0; row < run.features.rows; ++row) {
-    sum += squared_distance(run.features.row(row), run.centroid(run.cluster_of[row]),
-                            run.features.dimensions);
+  for (int cluster = 0; cluster < run.k(); ++cluster) {
+    if (run.members[cluster] > 0) sum += double{run.variances[cluster]} * run.members[cluster];
   }
   return sum;
 }
 
+/// Which of two equally near members becomes the representative.
+enum class Ties {
+  lower_row,
+  alternating,  ///< the higher row in every other cluster
+};
+
+/// Drops empty clusters and picks representatives.
+Clustering finish(const KmeansRun& run, Ties ties) {
+  std::vector<int> representatives(run.k(), -1);
+  for (int row = 0; row < run.rows; ++row) {
+    const int cluster = run.cluster_of[row];
+    int& representative = representatives[cluster];
+    const float* distances = run.distances_of(cluster);
+    const bool takes_ties = ties == Ties::alternating && cluster % 2 == 1;
+    if (representative < 0 || distances[row] < distances[representative] ||
+        (takes_ties && distances[row] == distances[representative])) {
+      representative = row;
+    }
+  }
+  Clustering result{run.cluster_of, {}};
+  std::vector<int> renumbered(run.k(), -1);
+  for (int cluster = 0; cluster < run.k(); ++cluster) {
+    if (representatives[cluster] < 0) continue;
+    renumbered[cluster] = result.count();
+    result.representatives.push_back(representatives[cluster]);
+  }
+  for (int& cluster : result.cluster_of) cluster = renumbered[cluster];
+  return result;
+}
+
+/// A row drawn in proportion to its weight, or -1 when all are 0. `sums` holds the lanes' sums of
+/// `weights`, as RowKernels::lower leaves them; the draw descends a tree over them.
+int draw_row(std::span<const float> weights, std::span<const float, row_lanes> sums,
+             Random& random) {
+  float tree[2 * row_lanes];
+  std::copy(sums.begin(), sums.end(), tree + row_lanes);
+  for (int node = row_lanes - 1; node > 0; --node) tree[node] = tree[2 * node] + tree[2 * node + 1];
+  if (!(tree[1] > 0)) return -1;
+  float threshold = random.uniform() * tree[1];
+  int node = 1;
+  while (node < row_lanes) {  // without branches: none could be predicted
+    const float left = tree[2 * node];
+    const int right =
+        static_cast<int>(!(threshold < left)) & static_cast<int>(tree[2 * node + 1] > 0);
+    threshold -= static_cast<float>(right) * left;
+    node = 2 * node + right;
+  }
+  int chosen = -1;
+  for (size_t row = node - row_lanes; row < weights.size(); row += row_lanes) {
+    if (!(weights[row] > 0)) continue;
+    chosen = static_cast<int>(row);
+    threshold -= weights[row];
+    if (threshold < 0) break;
+  }
+  return chosen;
+}
+
 /// k-means++: each seed is drawn with probability proportional to its squared distance from the
 /// seeds so far; when all remaining rows coincide with seeds, fewer than k come out.
-std::vector<int> plus_plus_seeds(const Features& features, int k, Random& random) {
-  std::vector<int> seeds{static_cast<int>(random.below(static_cast<uint32_t>(features.rows)))};
-  std::vector<float> nearest(features.rows, std::numeric_limits<float>::infinity());
-  while (static_cast<int>(seeds.size()) < k) {
-    double total = 0;
-    for (int row = 0; row < features.rows; ++row) {
-      const float d =
-          squared_distance(features.row(row), features.row(seeds.back()), features.dimensions);
-      nearest[row] = std::min(nearest[row], d);
-      total += nearest[row];
-    }
-    if (!(total > 0)) break;
-    double threshold = random.uniform() * total;
-    int chosen = -1;
-    for (int row = 0; row < features.rows; ++row) {
-      if (!(nearest[row] > 0)) continue;
-      chosen = row;
-      threshold -= nearest[row];
-      if (threshold < 0) break;
-    }
-    seeds.push_back(chosen);
+void draw_seeds(KmeansBuffers& buffers, int k, Random& random) {
+  const PairDistances& pairs = buffers.pairs;
+  std::vector<float>& nearest = buffers.nearest_seed;
+  nearest.assign(pairs.stride, 0.0f);
+  std::fill_n(nearest.begin(), pairs.rows, infinite);
+  buffers.seeds.clear();
+  int seed = static_cast<int>(random.below(static_cast<uint32_t>(pairs.rows)));
+  while (seed >= 0) {
+    buffers.seeds.push_back(seed);
+    if (static_cast<int>(buffers.seeds.size()) == k) return;
+    float sums[row_lanes];
+    best_row_kernels().lower(pairs.row(seed), pairs.stride, nearest.data(), sums);
+    seed = draw_row(nearest, sums, random);
   }
-  return seeds;
 }
 
 }  // namespace
@@ -139,23 +179,47 @@ std::vector<int> plus_plus_seeds(const Features& features, int k, Random& random
 Clustering kmeans(const Features& features, std::span<const int> seeds, int max_iterations) {
   CHECK_MSG(!seeds.empty() && static_cast<int>(seeds.size()) <= features.rows, "seeds {} rows {}",
             seeds.size(), features.rows);
-  return finish(run_lloyd(features, seeds, max_iterations));
+  FeatureColumns columns;
+  make_feature_columns(features, columns);
+  KmeansRun run;
+  start_run(run, features.rows, columns.stride, static_cast<int>(seeds.size()));
+  for (int cluster = 0; cluster < run.k(); ++cluster) {
+    eval_distances(columns, features.row(seeds[cluster]), 1, run.distances_of(cluster));
+  }
+  std::vector<double> sum;
+  std::vector<float> centroid;
+  for (int iteration = 0; iteration < max_iterations && assign(run); ++iteration) {
+    update(run, features, columns, sum, centroid);
+  }
+  return finish(run, Ties::lower_row);
 }
 
 Clustering strong_kmeans(const Features& features, int k, int restarts, int max_iterations,
-                         Random& random) {
+                         Random& random, KmeansBuffers& buffers) {
   CHECK_MSG(k >= 1 && k <= features.rows && restarts >= 1, "k {} rows {} restarts {}", k,
             features.rows, restarts);
-  std::optional<Run> best;
-  double best_inertia = std::numeric_limits<double>::infinity();
-  for (int attempt = 0; attempt < restarts; ++attempt) {
-    Run run = run_lloyd(features, plus_plus_seeds(features, k, random), max_iterations);
+  const PairDistances& pairs = buffers.pairs;
+  KmeansRun& run = buffers.run;
+  make_pair_distances(features, buffers.columns, buffers.pairs);
+  double best_inertia = 0;
+  // Any seed leads to the same single cluster.
+  const int runs = k == 1 ? 1 : restarts;
+  for (int attempt = 0; attempt < runs; ++attempt) {
+    draw_seeds(buffers, k, random);
+    start_run(run, pairs.rows, pairs.stride, static_cast<int>(buffers.seeds.size()));
+    for (int cluster = 0; cluster < run.k(); ++cluster) {
+      std::copy_n(pairs.row(buffers.seeds[cluster]), pairs.stride, run.distances_of(cluster));
+    }
+    for (int iteration = 0; iteration < max_iterations && assign(run); ++iteration) {
+      update_by_pairs(run, pairs, buffers.members);
+    }
     const double value = inertia(run);
-    if (best && !(value < best_inertia)) continue;
+    if (attempt > 0 && !(value < best_inertia)) continue;
     best_inertia = value;
-    best.emplace(std::move(run));
+    std::swap(run, buffers.best);
+    if (!(value > 0)) break;  // all rows of a cluster coincide: nothing is better
   }
-  return finish(*best);
+  return finish(buffers.best, Ties::alternating);
 }
 
 }  // namespace relume

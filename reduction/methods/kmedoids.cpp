@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "core/base/check.h"
-#include "reduction/distance.h"
+#include "reduction/feature_columns.h"
 
 namespace relume {
 namespace {
@@ -28,16 +28,15 @@ struct Run {
 };
 
 MedoidCosts squared_distances(const Features& features) {
+  FeatureColumns columns;
+  PairDistances pairs;
+  make_pair_distances(features, columns, pairs);
   const int rows = features.rows;
-  MedoidCosts costs{std::vector<int>(rows),
-                    std::vector<float>(static_cast<size_t>(rows) * rows, 0.0f)};
+  MedoidCosts costs{std::vector<int>(rows), {}};
   std::iota(costs.candidates.begin(), costs.candidates.end(), 0);
-  for (int a = 0; a < rows; ++a) {
-    for (int b = 0; b < a; ++b) {
-      const float d = squared_distance(features.row(a), features.row(b), features.dimensions);
-      costs.values[static_cast<size_t>(a) * rows + b] = d;
-      costs.values[static_cast<size_t>(b) * rows + a] = d;
-    }
+  costs.values.reserve(static_cast<size_t>(rows) * rows);
+  for (int row = 0; row < rows; ++row) {
+    costs.values.insert(costs.values.end(), pairs.row(row), pairs.row(row) + rows);
   }
   return costs;
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 
@@ -21,6 +22,11 @@ Features random_features(int rows, int dimensions, uint64_t seed) {
   std::vector<float> values;
   for (int i = 0; i < rows * dimensions; ++i) values.push_back(random.uniform());
   return make_features(std::move(values), dimensions);
+}
+
+Clustering run_strong(const Features& features, int k, int restarts, Random& random) {
+  KmeansBuffers buffers;
+  return strong_kmeans(features, k, restarts, 100, random, buffers);
 }
 
 std::vector<int> first_seeds(int k) {
@@ -120,7 +126,7 @@ TEST(Kmeans, AllEqualRowsAreOneCluster) {
   const Features features = make_features(std::vector<float>(15, 3.0f), 3);
   EXPECT_EQ(kmeans(features, first_seeds(4), 100).count(), 1);
   Random random(1, RandomStream::tests, 0);
-  EXPECT_EQ(strong_kmeans(features, 4, 4, 100, random).count(), 1);
+  EXPECT_EQ(run_strong(features, 4, 4, random).count(), 1);
 }
 
 TEST(Kmeans, AllZeroRowsAreOneCluster) {
@@ -136,7 +142,7 @@ TEST_P(KmeansOnRandomRows, GivesSoundClusters) {
     const Features features = random_features(25, 13, seed);
     expect_sound(features, kmeans(features, first_seeds(k), 100), k);
     Random random(seed, RandomStream::reduction, 0);
-    expect_sound(features, strong_kmeans(features, k, 4, 100, random), k);
+    expect_sound(features, run_strong(features, k, 4, random), k);
   }
 }
 
@@ -151,6 +157,26 @@ TEST_P(KmeansOnRandomRows, ConvergedAssignmentsAreNearest) {
           squared_distance(features.row(row), &centroids[clustering.cluster_of[row] * 5], 5);
       for (int cluster = 0; cluster < clustering.count(); ++cluster) {
         ASSERT_LE(own, squared_distance(features.row(row), &centroids[cluster * 5], 5) + 1e-5);
+      }
+    }
+  }
+}
+
+TEST_P(KmeansOnRandomRows, StrongAssignmentsAreNearest) {
+  const int k = GetParam();
+  KmeansBuffers buffers;
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    const int rows = 17 + static_cast<int>(seed);  // with and without padding
+    const Features features = random_features(rows, 5, seed);
+    Random random(seed, RandomStream::reduction, 0);
+    const Clustering clustering = strong_kmeans(features, k, 4, 100, random, buffers);
+    const std::vector<double> centroids = centroids_of(features, clustering);
+    for (int row = 0; row < rows; ++row) {
+      const double own =
+          squared_distance(features.row(row), &centroids[clustering.cluster_of[row] * 5], 5);
+      for (int cluster = 0; cluster < clustering.count(); ++cluster) {
+        ASSERT_LE(own, squared_distance(features.row(row), &centroids[cluster * 5], 5) + 1e-5)
+            << "seed " << seed << " row " << row;
       }
     }
   }
@@ -178,9 +204,9 @@ TEST_P(KmeansOnRandomRows, StrongInertiaIsLowerOnAverage) {
     const Features features = random_features(25, 4, seed);
     report += inertia_of(features, kmeans(features, first_seeds(k), 100));
     Random random(seed, RandomStream::reduction, 0);
-    strong += inertia_of(features, strong_kmeans(features, k, 4, 100, random));
+    strong += inertia_of(features, run_strong(features, k, 4, random));
     Random again(seed, RandomStream::reduction, 0);
-    one_start += inertia_of(features, strong_kmeans(features, k, 1, 100, again));
+    one_start += inertia_of(features, run_strong(features, k, 1, again));
   }
   EXPECT_LE(strong, report * (1 + 1e-9));
   EXPECT_LE(strong, one_start * (1 + 1e-9)) << "the best of more starts, the first among them";
@@ -194,8 +220,11 @@ TEST_P(KmeansOnRandomRows, IsDeterministic) {
   const Features features = random_features(25, 7, 3);
   Random a(1, RandomStream::reduction, 5);
   Random b(1, RandomStream::reduction, 5);
-  const Clustering first = strong_kmeans(features, k, 4, 100, a);
-  const Clustering second = strong_kmeans(features, k, 4, 100, b);
+  KmeansBuffers buffers;
+  const Clustering first = strong_kmeans(features, k, 4, 100, a, buffers);
+  Random other(2, RandomStream::reduction, 5);
+  strong_kmeans(random_features(40, 3, 4), k, 4, 100, other, buffers);
+  const Clustering second = strong_kmeans(features, k, 4, 100, b, buffers);
   EXPECT_EQ(first.cluster_of, second.cluster_of);
   EXPECT_EQ(first.representatives, second.representatives);
 }
@@ -214,7 +243,7 @@ TEST(StrongKmeans, FindsSeparatedBlobs) {
   const Features features = make_features(values, 2);
   for (uint64_t seed = 0; seed < 20; ++seed) {
     Random random(seed, RandomStream::reduction, 0);
-    const Clustering clustering = strong_kmeans(features, 4, 8, 100, random);
+    const Clustering clustering = run_strong(features, 4, 8, random);
     ASSERT_EQ(clustering.count(), 4);
     for (int row = 0; row < 24; ++row) {
       EXPECT_EQ(clustering.cluster_of[row], clustering.cluster_of[row / 6 * 6]) << row;
@@ -222,11 +251,71 @@ TEST(StrongKmeans, FindsSeparatedBlobs) {
   }
 }
 
+TEST(StrongKmeans, FindsAllPlacesWhereRowsCoincide) {
+  // Three places, k above: the seeds find each, and no fourth cluster comes out.
+  std::vector<float> values;
+  for (int i = 0; i < 21; ++i) {
+    values.push_back(0.1f * static_cast<float>(i % 3));
+    values.push_back(7.3f);
+  }
+  const Features features = make_features(values, 2);
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed, RandomStream::reduction, 0);
+    const Clustering clustering = run_strong(features, 5, 4, random);
+    ASSERT_EQ(clustering.count(), 3) << "seed " << seed;
+    for (int row = 0; row < 21; ++row) {
+      EXPECT_EQ(clustering.cluster_of[row], clustering.cluster_of[row % 3]) << row;
+    }
+  }
+}
+
+TEST(StrongKmeans, PairsAreRepresentedByEitherMemberAlike) {
+  int lower = 0;
+  int higher = 0;
+  for (uint64_t seed = 0; seed < 400; ++seed) {
+    const Features features = random_features(16, 3, seed);
+    Random random(seed, RandomStream::reduction, 0);
+    const Clustering clustering = run_strong(features, 8, 4, random);
+    for (int cluster = 0; cluster < clustering.count(); ++cluster) {
+      if (std::count(clustering.cluster_of.begin(), clustering.cluster_of.end(), cluster) != 2) {
+        continue;
+      }
+      const auto first =
+          std::find(clustering.cluster_of.begin(), clustering.cluster_of.end(), cluster);
+      const auto lowest = static_cast<int>(first - clustering.cluster_of.begin());
+      (clustering.representatives[cluster] == lowest ? lower : higher) += 1;
+    }
+  }
+  ASSERT_GT(lower + higher, 900);
+  // Binomial: sigma below 0.017.
+  EXPECT_NEAR(lower / static_cast<double>(lower + higher), 0.5, 0.07);
+}
+
+TEST(StrongKmeans, DrawsTheSecondSeedBySquaredDistance) {
+  // From the place of 38 rows, those at 1 and 3 are drawn with odds 1 : 9.
+  std::vector<float> values(38, 0.0f);
+  values.push_back(1);
+  values.push_back(3);
+  const Features features = make_features(values, 1);
+  KmeansBuffers buffers;
+  int near = 0;
+  int far = 0;
+  for (uint64_t seed = 0; seed < 4000; ++seed) {
+    Random random(seed, RandomStream::reduction, 0);
+    strong_kmeans(features, 2, 1, 1, random, buffers);
+    if (buffers.seeds[0] >= 38) continue;
+    (buffers.seeds[1] == 38 ? near : far) += 1;
+    ASSERT_GE(buffers.seeds[1], 38) << "drawn with probability 0";
+  }
+  // Binomial, p = 0.1, about 3800 trials: sigma 0.005.
+  EXPECT_NEAR(near / static_cast<double>(near + far), 0.1, 0.02);
+}
+
 TEST(StrongKmeans, SurvivesHugeCoordinates) {
   Features features = random_features(25, 3, 1);
   for (float& value : features.values) value *= 1e19f;  // squares overflow
   Random random(1, RandomStream::reduction, 0);
-  const Clustering clustering = strong_kmeans(features, 4, 4, 100, random);
+  const Clustering clustering = run_strong(features, 4, 4, random);
   for (const int cluster : clustering.cluster_of) {
     EXPECT_GE(cluster, 0);
     EXPECT_LT(cluster, clustering.count());
