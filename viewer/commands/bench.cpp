@@ -1,29 +1,14 @@
 #include <fmt/format.h>
 
-#include <limits>
-
 #include "core/base/parallel.h"
-#include "core/base/timer.h"
 #include "core/relight/reference_relight.h"
 #include "core/relight/relight.h"
+#include "viewer/commands/bench_stages.h"
 #include "viewer/commands/commands.h"
-#include "viewer/commands/json_output.h"
 #include "viewer/commands/relight_input.h"
 
 namespace relume {
 namespace {
-
-/// Least wall time of `repeats` calls, in milliseconds.
-template <class Body>
-double least_ms(int repeats, const Body& body) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < repeats; ++i) {
-    const Timer timer;
-    body();
-    least = std::min(least, timer.ms());
-  }
-  return least;
-}
 
 /// Sums every float of the cache's tiles with all threads: what memory alone would cost.
 double read_cache_ms(const RelightCache& cache, int repeats) {
@@ -68,6 +53,15 @@ void bench_frames(const RelightCache& cache, const Light& light, int repeats, do
   }
 }
 
+BenchStagesParams stages_params(const BenchOptions& options, const CacheInfo& info,
+                                const CommonOptions& common) {
+  const PrepareParams prepare = make_prepare_params(options.prepare, common);
+  return {.spp = is_cache_path(options.scene) ? info.spp : prepare.spp,
+          .reduction = prepare.reduction,
+          .training = prepare.training,
+          .repeats = options.repeats};
+}
+
 }  // namespace
 
 int run_bench(const BenchOptions& options, const CommonOptions& common) {
@@ -79,8 +73,9 @@ int run_bench(const BenchOptions& options, const CommonOptions& common) {
     fmt::print(stderr, "{} has no light or no geometry in view: nothing to time\n", options.scene);
     return 2;
   }
+  std::vector<FigureRow> rows =
+      bench_stages(*input.scene, *input.tracer, info, stages_params(options, info, common));
   const double floor_ms = read_cache_ms(cache, options.repeats + 1);
-  std::vector<FigureRow> rows;
   rows.push_back(bench_row("read-cache", floor_ms, floor_ms, info, bytes));
   bench_frames(cache, info.lights.front(), options.repeats, floor_ms, rows);
   const double reference_ms =
