@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <set>
 
 #include "core/shade/shaders.h"
 #include "reduction/methods/cholesky.h"
 #include "reduction/methods/light_fit.h"
-#include "reduction/methods/light_fit_clusters.h"
 #include "reduction/training.h"
 
 namespace relume::test {
@@ -55,22 +55,27 @@ TrainingSet make_lights(const Pixel& pixel, uint64_t seed) {
 
 std::vector<FittedRecord> run_fit(const Pixel& pixel, const TrainingSet& training, int n, int k,
                                   bool joint) {
-  PixelResponses responses;
-  const float weight = 1.0f / static_cast<float>(n);
-  evaluate_responses(training.evaluator, pixel.matrices, weight, responses);
-  LightFitParams params;
-  params.records = k;
-  params.joint = joint;
-  Random random(1, RandomStream::tests, 1);
-  return light_fit(training.evaluator, pixel.matrices, weight, responses, params, random);
+  LightFit fit(training.evaluator, {.joint = joint});
+  return fit.load(pixel.matrices, 1.0f / static_cast<float>(n)) ? fit.fit(k)
+                                                                : std::vector<FittedRecord>();
 }
 
-/// Eq. 2 on the lights of `training` themselves.
-double error_under(const Pixel& pixel, const TrainingSet& training,
+/// TR2007-600 eq. 2 on the lights of `set`: the squared distance, over lights and RGB, between what
+/// the records and the pixel's n samples look like.
+double error_under(const Pixel& pixel, const TrainingSet& set,
                    const std::vector<FittedRecord>& records, int n) {
+  const LobeEvaluator& evaluator = set.evaluator;
   PixelResponses responses;
-  evaluate_responses(training.evaluator, pixel.matrices, 1.0f / static_cast<float>(n), responses);
-  return response_error(training.evaluator, records, responses.target);
+  evaluate_responses(evaluator, pixel.matrices, 1.0f / static_cast<float>(n), responses);
+  std::vector<double> difference(responses.target.begin(), responses.target.end());
+  std::vector<float> lobes(static_cast<size_t>(max_lobes) * responses.columns);
+  std::vector<float> values(difference.size());
+  for (const FittedRecord& record : records) {
+    evaluator.lobes(record.type, record.vector.data(), lobes.data());
+    shade_rows(evaluator, record.type, record.vector.data(), 1, lobes.data(), values.data());
+    for (size_t i = 0; i < values.size(); ++i) difference[i] -= double{record.weight} * values[i];
+  }
+  return std::inner_product(difference.begin(), difference.end(), difference.begin(), 0.0);
 }
 
 TEST(LightFit, JointPolishLowersTheTrainingError) {
@@ -136,24 +141,9 @@ TEST(LightFit, SaysNothingWhenAllIsBlack) {
       if (i % width >= 7 && i % width < 13) values[i] = 0;
     }
   }
-  EXPECT_TRUE(run_fit(pixel, make_lights(pixel, 0), 10, 3, true).empty());
-}
-
-TEST(KernelKmeans, FindsWellSeparatedGroups) {
-  // Points on a line: 0, 0.1, 5, 5.1, 9; the kernel is their product.
-  const std::vector<float> x = {0, 0.1f, 5, 5.1f, 9};
-  std::vector<float> gram;
-  for (const float a : x) {
-    for (const float b : x) gram.push_back(a * b);
-  }
-  Random random(1, RandomStream::tests, 2);
-  const std::vector<int> clusters = kernel_kmeans(gram, 5, 3, 8, random);
-  EXPECT_EQ(clusters, (std::vector<int>{0, 0, 1, 1, 2}));
-}
-
-TEST(KernelKmeans, EqualPointsAreOneCluster) {
-  Random random(1, RandomStream::tests, 3);
-  EXPECT_EQ(kernel_kmeans(std::vector<float>(16, 1.0f), 4, 3, 2, random), std::vector<int>(4, 0));
+  const TrainingSet training = make_lights(pixel, 0);
+  LightFit fit(training.evaluator, {});
+  EXPECT_FALSE(fit.load(pixel.matrices, 0.1f));
 }
 
 TEST(Cholesky, SolvesAndRefusesSingularMatrices) {

@@ -30,15 +30,14 @@ struct Setting {
   }
 
   SampleTile reduce(const SampleTile& tile, ReductionMethod method, int k) const {
-    TrainingSet training = make_training_set(lights, types, eye, radius);
-    training.validation =
-        std::make_unique<TrainingSet>(make_training_set(lights, types, eye, radius));
+    const TrainingSet training = make_training_set(lights, types, eye, radius);
+    const TrainingSet validation = make_training_set(lights, types, eye, radius);
     ReductionParams params;
     params.method = method;
     params.records = k;
     params.seed = 5;
     params.scene_radius = radius;
-    return reduce_tile(tile, types, params, 50, &training);
+    return reduce_tile(tile, types, params, 50, {&training, &validation});
   }
 };
 
