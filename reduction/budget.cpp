@@ -1,6 +1,8 @@
 #include "reduction/budget.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "core/base/check.h"
 
@@ -54,11 +56,12 @@ float solve_record_cost(std::span<const ErrorCurve> curves, const RecordBudget& 
                                       : totals.error > double{budget.target_error} * value;
   };
   if (!(most > 0) || fits(0)) return 0;
-  float low = 0;          // does not fit
-  float high = 2 * most;  // no record is worth this much
+  float low = 0;  // does not fit
+  // No record is worth this much.
+  float high = std::min(2 * most, std::numeric_limits<float>::max());
   // Errors span many magnitudes: halve the interval's ratio once it has one.
   for (int i = 0; i < 60; ++i) {
-    const float middle = low > 0 ? std::sqrt(low * high) : 1e-3f * high;
+    const float middle = low > 0 ? static_cast<float>(std::sqrt(double{low} * high)) : 1e-3f * high;
     if (!(middle > low && middle < high)) break;
     (fits(middle) ? high : low) = middle;
   }
