@@ -153,14 +153,23 @@ void PixelReducer::reduce_type(size_t type, int k, float weight, Random& random,
 float PixelReducer::fit(const std::vector<int>& allocation, PixelRecords& records, float error) {
   // Types that cannot be fitted keep the records they have; the fit shares out the others.
   int k = 0;
+  int clustered = 0;
+  int represented = 0;
   for (size_t t = 0; t < allocation.size(); ++t) {
-    if (light_fit_->fits_type(static_cast<int>(t))) k += allocation[t];
+    const bool is_fitted = light_fit_->fits_type(static_cast<int>(t));
+    if (is_fitted) k += allocation[t];
+    if (allocation[t] > 0) clustered += counts_[t];
+    if (is_fitted || allocation[t] > 0) represented += counts_[t];
   }
   if (k < 1 || k >= light_fit_->sample_count()) return error;
   const std::vector<FittedRecord> fitted = light_fit_->fit(k);
   if (fitted.empty()) return error;
   trial_ = records;
+  // Eq. 3 again: fewer types are lost than when each is clustered alone.
+  const float kept_scale = static_cast<float>(clustered) / static_cast<float>(represented);
+  const float fitted_scale = static_cast<float>(sample_count_) / static_cast<float>(represented);
   for (size_t t = 0; t < trial_.size(); ++t) {
+    for (float& weight : trial_[t].weights) weight *= kept_scale;
     if (!light_fit_->fits_type(static_cast<int>(t))) continue;
     trial_[t].values.clear();
     trial_[t].weights.clear();
@@ -168,7 +177,7 @@ float PixelReducer::fit(const std::vector<int>& allocation, PixelRecords& record
   for (const FittedRecord& record : fitted) {
     TypedRows& rows = trial_[record.type];
     rows.values.insert(rows.values.end(), record.vector.begin(), record.vector.end());
-    rows.weights.push_back(record.weight);
+    rows.weights.push_back(record.weight * fitted_scale);
   }
   const float fitted_error = predicted_error(trial_);
   if (!(fitted_error < error)) return error;
