@@ -29,14 +29,17 @@ struct Setting {
     lights = make_training_lights(low, high, {.lights = 24});
   }
 
-  SampleTile reduce(const SampleTile& tile, ReductionMethod method, int k) const {
-    const TrainingSet training = make_training_set(lights, types, eye, radius);
-    const TrainingSet validation = make_training_set(lights, types, eye, radius);
+  ReductionParams params(ReductionMethod method, int k) const {
     ReductionParams params;
     params.method = method;
     params.records = k;
     params.seed = 5;
     params.scene_radius = radius;
+    return params;
+  }
+  SampleTile reduce(const SampleTile& tile, const ReductionParams& params) const {
+    const TrainingSet training = make_training_set(lights, types, eye, radius);
+    const TrainingSet validation = make_training_set(lights, types, eye, radius);
     return reduce_tile(tile, types, params, 50, {&training, &validation});
   }
 };
@@ -55,16 +58,8 @@ int count_of(const SampleTile& tile, int pixel) {
   return static_cast<int>(sum);
 }
 
-/// Weights sum to coverage, at most k records, all finite, directions of unit length where the
-/// samples' are.
-void expect_sound(const SampleTile& samples, const SampleTile& records, int k, bool unit = true) {
-  ASSERT_EQ(records.types.size(), samples.types.size());
-  for (int pixel = 0; pixel < samples.pixel_count(); ++pixel) {
-    ASSERT_NEAR(coverage_of(records, pixel), coverage_of(samples, pixel), 1e-5)
-        << "pixel " << pixel;
-    ASSERT_LE(count_of(records, pixel), k);
-    ASSERT_EQ(count_of(records, pixel) == 0, count_of(samples, pixel) == 0);
-  }
+/// Weights positive, all finite, directions of unit length where the samples' are.
+void expect_sound_rows(const SampleTile& records, bool unit) {
   for (size_t t = 0; t < records.types.size(); ++t) {
     const TypedRows& rows = records.types[t];
     for (const float weight : rows.weights) ASSERT_GT(weight, 0);
@@ -77,15 +72,68 @@ void expect_sound(const SampleTile& samples, const SampleTile& records, int k, b
   }
 }
 
+/// Weights sum to coverage, at most k records, each sound.
+void expect_sound(const SampleTile& samples, const SampleTile& records, int k, bool unit = true) {
+  ASSERT_EQ(records.types.size(), samples.types.size());
+  for (int pixel = 0; pixel < samples.pixel_count(); ++pixel) {
+    ASSERT_NEAR(coverage_of(records, pixel), coverage_of(samples, pixel), 1e-5)
+        << "pixel " << pixel;
+    ASSERT_LE(count_of(records, pixel), k);
+    ASSERT_EQ(count_of(records, pixel) == 0, count_of(samples, pixel) == 0);
+  }
+  expect_sound_rows(records, unit);
+}
+
+/// Every pixel has a finite predicted error >= 0; without a budget also all that expect_sound asks
+/// for; with one it may be without records, and its coverage is stored.
+void expect_sound_prediction(const SampleTile& samples, const SampleTile& records,
+                             const ReductionParams& params, bool unit) {
+  const auto pixels = static_cast<size_t>(samples.pixel_count());
+  ASSERT_EQ(records.predicted_error.size(), pixels);
+  for (const float error : records.predicted_error) {
+    ASSERT_TRUE(is_finite(error));
+    ASSERT_GE(error, 0);
+  }
+  if (!(params.record_cost > 0)) {
+    ASSERT_TRUE(records.coverage.empty());
+    expect_sound(samples, records, params.records, unit);
+    return;
+  }
+  ASSERT_EQ(records.coverage.size(), pixels);
+  for (int pixel = 0; pixel < samples.pixel_count(); ++pixel) {
+    ASSERT_NEAR(records.coverage[pixel], coverage_of(samples, pixel), 1e-6);
+    ASSERT_LE(count_of(records, pixel), params.records);
+    if (count_of(records, pixel) > 0) {
+      ASSERT_NEAR(coverage_of(records, pixel), records.coverage[pixel], 1e-5);
+    }
+  }
+  expect_sound_rows(records, unit);
+}
+
+bool is_tested_under_budgets(ReductionMethod method) {
+  return method == ReductionMethod::kmeans || method == ReductionMethod::strong_kmeans ||
+         is_light_fit(method);
+}
+
 class EveryMethod : public testing::TestWithParam<ReductionMethod> {
  protected:
   SampleTile reduce(const SampleTile& tile, int k) const {
-    return setting_.reduce(tile, GetParam(), k);
+    return setting_.reduce(tile, setting_.params(GetParam(), k));
   }
   void expect_sound_for_all_k(const SampleTile& tile, bool unit = true) const {
     for (const int k : {1, 2, 4, 8, 16, 64}) {
       SCOPED_TRACE(testing::Message() << "k " << k);
       expect_sound(tile, reduce(tile, k), k, unit);
+    }
+    if (is_tested_under_budgets(GetParam())) expect_sound_predictions(tile, unit);
+  }
+  void expect_sound_predictions(const SampleTile& tile, bool unit) const {
+    for (const float cost : {0.0f, 1e-30f, 1e-3f, 0.1f, 1e30f}) {
+      SCOPED_TRACE(testing::Message() << "record cost " << cost);
+      ReductionParams params = setting_.params(GetParam(), 9);
+      params.predict_error = true;
+      params.record_cost = cost;
+      expect_sound_prediction(tile, setting_.reduce(tile, params), params, unit);
     }
   }
   /// Up to 7 rows of each type in each pixel.
