@@ -143,5 +143,84 @@ TEST(Kmedoids, ScaleDoesNotMatter) {
   }
 }
 
+/// A dissimilarity that is not symmetric: what row i costs in the cluster of row m.
+std::vector<float> random_costs(int rows, uint64_t seed) {
+  Random random(seed, RandomStream::tests, 1);
+  std::vector<float> costs(static_cast<size_t>(rows) * rows, 0.0f);
+  for (int m = 0; m < rows; ++m) {
+    // Some rows stand for others well without the reverse.
+    const float scale = random.uniform(0.2f, 1);
+    for (int i = 0; i < rows; ++i) {
+      if (i != m) costs[static_cast<size_t>(m) * rows + i] = scale * random.uniform(0.01f, 1);
+    }
+  }
+  return costs;
+}
+
+double cost(const std::vector<float>& costs, int rows, const std::vector<int>& medoids) {
+  double sum = 0;
+  for (int i = 0; i < rows; ++i) {
+    float least = std::numeric_limits<float>::infinity();
+    for (const int m : medoids) least = std::min(least, costs[static_cast<size_t>(m) * rows + i]);
+    sum += double{least};
+  }
+  return sum;
+}
+
+/// The least cost of any `k` medoids, by trying all.
+double least_cost(const std::vector<float>& costs, int rows, int k, int first,
+                  std::vector<int>& medoids) {
+  if (static_cast<int>(medoids.size()) == k) return cost(costs, rows, medoids);
+  double least = std::numeric_limits<double>::infinity();
+  for (int row = first; row < rows; ++row) {
+    medoids.push_back(row);
+    least = std::min(least, least_cost(costs, rows, k, row + 1, medoids));
+    medoids.pop_back();
+  }
+  return least;
+}
+
+TEST(KmedoidsOfCosts, AreNearTheBestOfAll) {
+  int optimal = 0;
+  constexpr int cases = 100;
+  for (uint64_t seed = 0; seed < cases; ++seed) {
+    const int rows = 7 + static_cast<int>(seed % 4);
+    const int k = 2 + static_cast<int>(seed % 3);
+    const std::vector<float> costs = random_costs(rows, seed);
+    const Clustering clustering = kmedoids(costs, rows, k, 100);
+    ASSERT_EQ(clustering.count(), k);
+    const double reached = cost(costs, rows, clustering.representatives);
+    std::vector<int> medoids;
+    const double least = least_cost(costs, rows, k, 0, medoids);
+    ASSERT_LE(reached, 1.5 * least) << "seed " << seed;
+    optimal += reached < least * 1.0001;
+    for (int i = 0; i < rows; ++i) {
+      const int own = clustering.representatives[clustering.cluster_of[i]];
+      for (const int m : clustering.representatives) {
+        ASSERT_LE(costs[static_cast<size_t>(own) * rows + i],
+                  costs[static_cast<size_t>(m) * rows + i]);
+      }
+    }
+  }
+  EXPECT_GE(optimal, cases * 9 / 10);
+}
+
+TEST(KmedoidsOfCosts, OneMedoidIsTheBest) {
+  for (uint64_t seed = 0; seed < 50; ++seed) {
+    const std::vector<float> costs = random_costs(9, seed);
+    std::vector<int> medoids;
+    EXPECT_NEAR(cost(costs, 9, kmedoids(costs, 9, 1, 100).representatives),
+                least_cost(costs, 9, 1, 0, medoids), 1e-6);
+  }
+}
+
+TEST(KmedoidsOfCosts, TheDirectionMatters) {
+  // Row 1 stands for all others at no cost, and none of them for it.
+  const std::vector<float> costs = {0, 5, 5, 0, 0, 0, 5, 5, 0};
+  const Clustering clustering = kmedoids(costs, 3, 1, 100);
+  EXPECT_EQ(clustering.representatives, std::vector<int>{1});
+  EXPECT_EQ(kmedoids(costs, 3, 2, 100).count(), 1) << "a second one would save nothing";
+}
+
 }  // namespace
 }  // namespace relume
