@@ -54,12 +54,14 @@ class SampleArrays {
     const float a = products[candidate];
     const float b = products[n_ + candidate];
     const float d = products[3 * n_ + candidate];
+    // A lobe that next to no light hits explains nothing; nor do two that are nearly the same more
+    // than one of them.
+    const float least = 1e-12f * std::max(a, d);
+    const float inverse_a = a > least ? 1 / a : 0;
+    const float inverse_d = d > least ? 1 / d : 0;
     const float determinant = a * d - b * b;
-    const bool two = determinant > 1e-4f * a * d;
+    const bool two = a > least && d > least && determinant > 1e-4f * a * d;
     const float inverse_determinant = two ? 1 / determinant : 0;
-    const float inverse_a = a > 0 ? 1 / a : 0;
-    const float inverse_d = d > 0 ? 1 / d : 0;
-    std::fill(costs, costs + n_, 0.0f);
     for (size_t c = 0; c < 3; ++c) {
       const float* first = array(color + c);
       const float* second = array(color + 3 + c);

@@ -180,6 +180,13 @@ double least_cost(const std::vector<float>& costs, int rows, int k, int first,
   return least;
 }
 
+/// All rows may be medoids.
+Clustering kmedoids_of(const std::vector<float>& values, int rows, int k) {
+  MedoidCosts costs{std::vector<int>(rows), values};
+  std::iota(costs.candidates.begin(), costs.candidates.end(), 0);
+  return kmedoids(costs, rows, k, 100);
+}
+
 TEST(KmedoidsOfCosts, AreNearTheBestOfAll) {
   int optimal = 0;
   constexpr int cases = 100;
@@ -187,7 +194,7 @@ TEST(KmedoidsOfCosts, AreNearTheBestOfAll) {
     const int rows = 7 + static_cast<int>(seed % 4);
     const int k = 2 + static_cast<int>(seed % 3);
     const std::vector<float> costs = random_costs(rows, seed);
-    const Clustering clustering = kmedoids(costs, rows, k, 100);
+    const Clustering clustering = kmedoids_of(costs, rows, k);
     ASSERT_EQ(clustering.count(), k);
     const double reached = cost(costs, rows, clustering.representatives);
     std::vector<int> medoids;
@@ -209,7 +216,7 @@ TEST(KmedoidsOfCosts, OneMedoidIsTheBest) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
     const std::vector<float> costs = random_costs(9, seed);
     std::vector<int> medoids;
-    EXPECT_NEAR(cost(costs, 9, kmedoids(costs, 9, 1, 100).representatives),
+    EXPECT_NEAR(cost(costs, 9, kmedoids_of(costs, 9, 1).representatives),
                 least_cost(costs, 9, 1, 0, medoids), 1e-6);
   }
 }
@@ -217,9 +224,19 @@ TEST(KmedoidsOfCosts, OneMedoidIsTheBest) {
 TEST(KmedoidsOfCosts, TheDirectionMatters) {
   // Row 1 stands for all others at no cost, and none of them for it.
   const std::vector<float> costs = {0, 5, 5, 0, 0, 0, 5, 5, 0};
-  const Clustering clustering = kmedoids(costs, 3, 1, 100);
+  const Clustering clustering = kmedoids_of(costs, 3, 1);
   EXPECT_EQ(clustering.representatives, std::vector<int>{1});
-  EXPECT_EQ(kmedoids(costs, 3, 2, 100).count(), 1) << "a second one would save nothing";
+  EXPECT_EQ(kmedoids_of(costs, 3, 2).count(), 1) << "a second one would save nothing";
+}
+
+TEST(KmedoidsOfCosts, OnlyCandidatesBecomeMedoids) {
+  // Rows 0 and 3 may stand for the others; 0 is as good for 1 and 2 as 3 is bad.
+  const MedoidCosts costs{{0, 3}, {0, 1, 1, 9, 9, 5, 5, 0}};
+  const Clustering one = kmedoids(costs, 4, 1, 100);
+  EXPECT_EQ(one.representatives, std::vector<int>{0});
+  const Clustering two = kmedoids(costs, 4, 3, 100);
+  EXPECT_EQ(two.representatives, (std::vector<int>{0, 3}));
+  EXPECT_EQ(two.cluster_of, (std::vector<int>{0, 0, 0, 1}));
 }
 
 }  // namespace

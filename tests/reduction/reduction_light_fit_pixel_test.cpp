@@ -116,11 +116,13 @@ double nonnegative_residual(const float* target, const float* lobes, size_t colu
     }
     return sum;
   };
+  // A lobe that next to no light hits would need a colour beyond all bounds.
+  const double faint = 1e-12 * std::max(a, d);
   double least = residual(0, 0);
-  if (a > 0 && r0 > 0) least = std::min(least, residual(r0 / a, 0));
-  if (d > 0 && r1 > 0) least = std::min(least, residual(0, r1 / d));
+  if (a > faint && r0 > 0) least = std::min(least, residual(r0 / a, 0));
+  if (d > faint && r1 > 0) least = std::min(least, residual(0, r1 / d));
   const double determinant = a * d - b * b;
-  if (determinant > 1e-12 * a * d) {
+  if (a > faint && d > faint && determinant > 1e-12 * a * d) {
     const double x = (d * r0 - b * r1) / determinant;
     const double y = (a * r1 - b * r0) / determinant;
     if (x >= 0 && y >= 0) least = std::min(least, residual(x, y));
@@ -168,7 +170,7 @@ TEST(FitPixel, UnexplainedEqualsBruteForce) {
     const Loaded loaded(make_random_pixel(5, seed), make_lights(48));
     ASSERT_TRUE(loaded.is_loaded);
     const FitPixel& fit = loaded.fit;
-    const std::vector<float> costs = fit.unexplained(0);
+    const std::vector<float> costs = fit.unexplained(0, 64).values;
     const auto columns = static_cast<size_t>(fit.columns);
     ASSERT_EQ(costs.size(), 400u);
     for (int m = 0; m < fit.n(); ++m) {
@@ -202,7 +204,7 @@ TEST(FitPixel, SamplesThatDifferInColorAloneCostNothing) {
   }
   const Loaded loaded(pixel, make_lights(48));
   ASSERT_TRUE(loaded.is_loaded);
-  const std::vector<float> costs = loaded.fit.unexplained(0.02f);
+  const std::vector<float> costs = loaded.fit.unexplained(0.02f, 64).values;
   for (int m = 0; m < 6; ++m) {
     for (int i = 0; i < 6; ++i) {
       EXPECT_NEAR(costs[m * 6 + i], 0, 1e-5 * energy_of(loaded.fit, i));
@@ -227,7 +229,7 @@ TEST(FitPixel, PositionAddsItsShareOfTheEnergy) {
     for (const dvec3& b : positions) mean_square += glm::dot(a - b, a - b) / 49;
   }
   for (const float weight : {0.02f, 0.5f}) {
-    const std::vector<float> costs = loaded.fit.unexplained(weight);
+    const std::vector<float> costs = loaded.fit.unexplained(weight, 64).values;
     for (int m = 0; m < 7; ++m) {
       for (int i = 0; i < 7; ++i) {
         const dvec3 d = positions[m] - positions[i];
@@ -255,7 +257,7 @@ TEST(FitPixel, FlippedLeavesWithSwappedColorsAreTheSame) {
   ASSERT_TRUE(loaded.is_loaded);
   const double energy = energy_of(loaded.fit, 0);
   ASSERT_NEAR(energy_of(loaded.fit, 1), energy, 1e-5 * energy);
-  const std::vector<float> costs = loaded.fit.unexplained(0.02f);
+  const std::vector<float> costs = loaded.fit.unexplained(0.02f, 64).values;
   EXPECT_NEAR(costs[0 * 3 + 1], 0, 1e-5 * energy);
   EXPECT_NEAR(costs[1 * 3 + 0], 0, 1e-5 * energy);
   EXPECT_GT(costs[0 * 3 + 2], 0.01 * energy) << "another normal is not";
@@ -268,7 +270,7 @@ TEST(FitPixel, CostsKnowWhoStandsForWhom) {
   pixel.add("phong", {0, 0, 0, 1e-4f, 0, 0, 1, 0.1f, 0.1f, 0.1f, 0.5f, 0.5f, 0.5f, 20});
   const Loaded loaded(pixel, make_lights(64));
   ASSERT_TRUE(loaded.is_loaded);
-  const std::vector<float> costs = loaded.fit.unexplained(0.02f);
+  const std::vector<float> costs = loaded.fit.unexplained(0.02f, 64).values;
   EXPECT_NEAR(costs[1 * 2 + 0], 0, 1e-5 * energy_of(loaded.fit, 0));
   EXPECT_GT(costs[0 * 2 + 1], 0.3 * energy_of(loaded.fit, 1));
 }

@@ -97,14 +97,14 @@ Stage<SampleTile> time_reduction(const Picture& picture, std::span<const SampleT
                                  ReductionMethod method) {
   ReductionParams reduction = picture.reduction;
   reduction.method = method;
-  const auto training =
-      make_training(picture.scene, picture.view, reduction, picture.params.training);
+  const auto lights =
+      make_method_lights(picture.scene, picture.view, reduction, picture.params.training);
   const auto total = static_cast<int>(samples.size());
   Stage<SampleTile> stage;
   const auto run = [&](int repeats, std::span<const int> indices) {
     time_tiles(repeats, indices.size(), stage, [&](size_t i) {
       return reduce_tile(samples[indices[i]], picture.view.types.types, reduction,
-                         picture.view.width, training != nullptr ? &training->set : nullptr);
+                         picture.view.width, lights->lights());
     });
   };
   const int pilot = std::min(pilot_tiles, total);
