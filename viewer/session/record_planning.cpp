@@ -16,7 +16,7 @@ constexpr int planning_pixels = 16384;
 /// Tiles between two reports of progress.
 constexpr size_t batch_tiles = 128;
 
-/// Error curves of `count` random pixels of tile `index` that have samples.
+/// Error curves of `count` random pixels of tile `index`, or all it has, that have samples.
 std::vector<ErrorCurve> tile_curves(const ViewSampler& view, const ReductionParams& reduction,
                                     const ReductionLights& lights, int index, int count) {
   const TileRectangle tile = tile_rectangle(view, index);
@@ -24,10 +24,11 @@ std::vector<ErrorCurve> tile_curves(const ViewSampler& view, const ReductionPara
   Random random(reduction.seed, RandomStream::planning, static_cast<uint64_t>(index));
   std::vector<ErrorCurve> curves;
   const int pixels = tile.width * tile.height;
-  for (int i = 0; i < std::min(count, pixels); ++i) {
-    // One pixel of each of `count` equal runs of the tile's pixels.
-    const int first = i * pixels / count;
-    const int last = std::max(first + 1, (i + 1) * pixels / count);
+  const int runs = std::min(count, pixels);
+  for (int i = 0; i < runs; ++i) {
+    // One pixel of each of `runs` equal runs of the tile's pixels.
+    const int first = i * pixels / runs;
+    const int last = (i + 1) * pixels / runs;
     const int pixel = first + static_cast<int>(random.below(static_cast<uint32_t>(last - first)));
     const int x = tile.x0 + pixel % tile.width;
     const int y = tile.y0 + pixel / tile.width;
