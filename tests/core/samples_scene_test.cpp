@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "core/math/color.h"
 #include "core/samples/sample_scene.h"
 #include "tests/support/scenes.h"
@@ -91,6 +93,53 @@ TEST(SampleTile, HoldsEverySampleThatHitWithItsFields) {
     }
   }
   EXPECT_EQ(samples, 10u * 18 * 9);
+}
+
+TEST(SampleTile, OnePixelIsBitEqualToItsPart) {
+  Scene scene = make_empty_scene(make_camera({0.3f, 0.2f, 3}, vec3(0), 40), 21, 19);
+  const uint32_t phong = add_material(scene, "phong", {{"diffuse", {0.25f, 0.5f, 1}}});
+  const uint32_t hair = add_material(scene, "kajiya-kay", {{"diffuse", vec3(0.8f)}});
+  add_shape(scene, make_sphere({0, 0, -0.5f}, 0.6f, 12, phong));
+  for (int i = 0; i < 5; ++i) {
+    const float x = -0.8f + 0.4f * static_cast<float>(i);
+    add_shape(scene, make_strand({x, -0.7f, 0.3f}, {x + 0.2f, 0.8f, 0.3f}, 0.03f, 6, hair));
+  }
+  const Tracer tracer(scene);
+  const ViewSampler view = make_view_sampler(scene, tracer, 21, 19, 9, 3);
+  size_t mixed = 0;
+  for (int index = 0; index < tile_count(view); ++index) {
+    const SampleTile tile = sample_tile(view, index);
+    const TileRectangle place = tile_rectangle(view, index);
+    ASSERT_EQ(std::tuple(place.x0, place.y0, place.width, place.height),
+              std::tuple(tile.x0, tile.y0, tile.width, tile.height));
+    for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
+      const int x = tile.x0 + pixel % tile.width;
+      const int y = tile.y0 + pixel / tile.width;
+      const SampleTile one = sample_one_pixel(view, x, y);
+      ASSERT_EQ(std::tuple(one.x0, one.y0, one.width, one.height), std::tuple(x, y, 1, 1));
+      ASSERT_EQ(one.types.size(), tile.types.size());
+      size_t kinds = 0;
+      for (size_t t = 0; t < tile.types.size(); ++t) {
+        const TypedRows& rows = tile.types[t];
+        const auto part = [&](const std::vector<float>& values, size_t floats) {
+          const auto at = [&](int p) {
+            return values.begin() + static_cast<std::ptrdiff_t>(rows.first[p] * floats);
+          };
+          return std::vector<float>(at(pixel), at(pixel + 1));
+        };
+        const auto width = static_cast<size_t>(view.types.types[t].width);
+        ASSERT_EQ(one.types[t].values, part(rows.values, width)) << x << ' ' << y;
+        ASSERT_EQ(one.types[t].weights, part(rows.weights, 1)) << x << ' ' << y;
+        const auto count = static_cast<uint32_t>(one.types[t].rows());
+        ASSERT_EQ(one.types[t].first, (std::vector<uint32_t>{0, count}));
+        kinds += count > 0;
+      }
+      mixed += kinds > 1;
+    }
+  }
+  EXPECT_GT(mixed, 10u) << "pixels with samples of both types";
+  EXPECT_DEATH(sample_one_pixel(view, 21, 0), "pixel 21 0");
+  EXPECT_DEATH(sample_one_pixel(view, 0, -1), "pixel 0 -1");
 }
 
 TEST(SampleTile, PositionsAreWhereTheStrataSay) {
