@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "core/image/heatmap.h"
 #include "core/image/image_io.h"
@@ -255,6 +256,118 @@ TEST(Program, InfoPrintsMeansOverCoveredPixelsAndTheBudget) {
   EXPECT_EQ(figure(outcome, "budget_error"), 0);
   write_random_cache(folder.file("c.relume"), false);
   EXPECT_EQ(run_relume(folder, "info c.relume").out.find("predicted_error"), std::string::npos);
+}
+
+TEST(Program, PrepareKeepsAnAverageAndStoresPredictedErrors) {
+  const TemporaryFolder folder;
+  const std::string size = "-q --width 36 --height 36 --spp 16 ";
+  for (const char* method : {"strong-kmeans", "light-fit"}) {
+    const Outcome prepared = run_relume(
+        folder, "prepare hair -o c.relume --average-records 3 --method " + (method + (" " + size)));
+    ASSERT_EQ(prepared.exit_code, 0) << prepared.err;
+    const Outcome info = run_relume(folder, "info c.relume");
+    EXPECT_NEAR(figure(info, "records_per_pixel"), 3, 0.15) << method;
+    EXPECT_EQ(figure(info, "budget_records"), 3);
+    EXPECT_EQ(figure(info, "records"), 16) << "the most that a pixel may have";
+    EXPECT_GT(figure(info, "predicted_error"), 0);
+    const RelightCache cache = RelightCache::open(folder.file("c.relume"), shader_table());
+    EXPECT_EQ(cache.predicted_error().size(), 36u * 36);
+  }
+}
+
+TEST(Program, ATargetErrorTakesAsFewRecordsAsItNeeds) {
+  const TemporaryFolder folder;
+  const std::string size = "-q --width 56 --height 56 --spp 16 ";
+  double records = 0;
+  double error = 1e30;
+  for (const char* target : {"0.2", "0.05"}) {
+    const Outcome prepared =
+        run_relume(folder, "prepare hair -o c.relume --target-error " + (target + (" " + size)));
+    ASSERT_EQ(prepared.exit_code, 0) << prepared.err;
+    const Outcome info = run_relume(folder, "info c.relume");
+    EXPECT_NEAR(figure(info, "budget_error"), std::stod(target), 1e-6);
+    EXPECT_GT(figure(info, "records_per_pixel"), 1.5 * records);
+    EXPECT_LT(figure(info, "predicted_error"), 0.5 * error);
+    records = figure(info, "records_per_pixel");
+    error = figure(info, "predicted_error");
+  }
+}
+
+TEST(Program, RefusesBudgetsThatCannotBe) {
+  const TemporaryFolder folder;
+  const std::string prepare = "prepare spheres -q -o c.relume ";
+  expect_one_line_error(run_relume(folder, prepare + "--average-records 3 --target-error 0.1"), 2,
+                        "exclude each other");
+  expect_one_line_error(run_relume(folder, prepare + "--method all --average-records 3"), 2,
+                        "does not reduce");
+  expect_one_line_error(run_relume(folder, prepare + "--method pure --predict-error"), 2,
+                        "does not reduce");
+  EXPECT_EQ(run_relume(folder, prepare + "--average-records 0").exit_code, 2);
+  EXPECT_EQ(run_relume(folder, prepare + "--average-records 65").exit_code, 2);
+  EXPECT_EQ(run_relume(folder, prepare + "--target-error 1.5").exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("c.relume")));
+}
+
+TEST(Program, StudyMeasuresMethodsAgainstKmeans) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_relume(folder,
+                                     "study methods spheres -q --quick --methods kmeans light-fit "
+                                     "--records 2 --average-records 0 --width 64 --height 64 "
+                                     "--spp 16 --json --output out");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto document = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(document["schema"], "relume-study-methods-1");
+  const auto& rows = document["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["method"], "kmeans");
+  EXPECT_EQ(rows[1]["method"], "light-fit");
+  for (const auto& row : rows) {
+    EXPECT_EQ(row["scene"], "spheres");
+    EXPECT_EQ(row["records"], 2);
+    EXPECT_EQ(row["lights"], 16) << "a quick study's";
+    EXPECT_GT(row["covered_pixels"], 1000);
+    EXPECT_GT(row["error"], 0);
+    EXPECT_LT(row["error_image"], row["error"]) << "the background has no error";
+    EXPECT_NEAR(row["error_relative"].get<double>(),
+                row["error"].get<double>() / row["reference_mean"].get<double>(), 1e-9);
+    EXPECT_LE(row["average_records"], 2);
+    EXPECT_NEAR(row["ratio_to_kmeans"].get<double>(),
+                row["error"].get<double>() / rows[0]["error"].get<double>(), 1e-9);
+  }
+  EXPECT_EQ(rows[0]["ratio_to_kmeans"], 1);
+  EXPECT_LT(rows[1]["ratio_to_kmeans"], 0.8);
+  EXPECT_EQ(rows[0]["predicted_error"], 0);
+  EXPECT_GT(rows[1]["predicted_error"], 0);
+
+  EXPECT_EQ(nlohmann::json::parse(read_all(folder.file("out") / "methods.json")), document);
+  const std::string csv = read_all(folder.file("out") / "methods.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3) << "a head and two rows";
+}
+
+TEST(Program, StudyOfABudgetIsHeldAgainstEightRecords) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_relume(folder,
+                                     "study methods spheres -q --methods kmeans light-fit "
+                                     "--records 8 --average-records 2 --lights 4 --width 32 "
+                                     "--height 32 --spp 16 --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(outcome.out)["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[2]["budget"], 2);
+  EXPECT_EQ(rows[2]["lights"], 4);
+  EXPECT_LE(rows[2]["average_records"], 2);
+  EXPECT_GT(rows[2]["average_records"], 1.8);
+  EXPECT_NEAR(rows[2]["ratio_to_kmeans"].get<double>(),
+              rows[2]["error"].get<double>() / rows[0]["error"].get<double>(), 1e-9);
+}
+
+TEST(Program, StudyRefusesUnknownNamesWithTwo) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_relume(folder, "study methods spheres -q --methods kmeans nonsense");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("'nonsense' is not one of"), std::string::npos) << outcome.err;
+  EXPECT_EQ(run_relume(folder, "study nonsense").exit_code, 2);
+  EXPECT_EQ(run_relume(folder, "study").exit_code, 2);
 }
 
 TEST(Program, DemoWritesItsPicturesWithoutADisplay) {
