@@ -41,52 +41,53 @@ bool assign(KmeansRun& run) {
   return any;
 }
 
-/// Moves the centroids of changed clusters to the mean of their rows; empty ones stay.
-void update(KmeansRun& run, const Features& features, const FeatureColumns& columns,
-            std::vector<double>& sum, std::vector<float>& centroid) {
-  for (int cluster = 0; cluster < run.k(); ++cluster) {
-    if (!run.changed[cluster]) continue;
-    run.changed[cluster] = false;
-    if (run.members[cluster] == 0) continue;
-    sum.assign(features.dimensions, 0.0);
-    for (int row = 0; row < features.rows; ++row) {
-      if (run.cluster_of[row] != cluster) continue;
-      for (int i = 0; i < features.dimensions; ++i) sum[i] += features.row(row)[i];
-    }
-    centroid.resize(features.dimensions);
-    for (int i = 0; i < features.dimensions; ++i) {
-      centroid[i] = static_cast<float>(sum[i] / run.members[cluster]);
-    }
-    eval_distances(columns, centroid.data(), 1, run.distances_of(cluster));
-  }
-}
-
-/// Lists the rows by cluster, ascending within one.
-void sort_by_cluster(const KmeansRun& run, KmeansMembers& members) {
-  members.rows.resize(run.rows);
-  members.ends.resize(run.k());
+void sort_by_cluster(KmeansRun& run) {
+  run.sorted.resize(run.rows);
+  run.ends.resize(run.k());
   int start = 0;
   for (int cluster = 0; cluster < run.k(); ++cluster) {
-    members.ends[cluster] = start;
+    run.ends[cluster] = start;
     start += run.members[cluster];
   }
-  for (int row = 0; row < run.rows; ++row) {
-    members.rows[members.ends[run.cluster_of[row]]++] = row;
-  }
+  for (int row = 0; row < run.rows; ++row) run.sorted[run.ends[run.cluster_of[row]]++] = row;
 }
 
-/// The same from distances of pairs alone.
-void update_by_pairs(KmeansRun& run, const PairDistances& pairs, KmeansMembers& members) {
-  sort_by_cluster(run, members);
+/// Calls place(cluster, members) for the changed clusters that have members; empty ones stay where
+/// they are.
+template <class Place>
+void update_changed(KmeansRun& run, const Place& place) {
+  sort_by_cluster(run);
   for (int cluster = 0; cluster < run.k(); ++cluster) {
     if (!run.changed[cluster]) continue;
     run.changed[cluster] = false;
     const int count = run.members[cluster];
-    if (count == 0) continue;
-    run.variances[cluster] = best_row_kernels().centroid_distances(
-        pairs.values.data(), pairs.stride, &members.rows[members.ends[cluster] - count], count,
-        run.distances_of(cluster));
+    if (count > 0) place(cluster, std::span(&run.sorted[run.ends[cluster] - count], count));
   }
+}
+
+/// Moves the centroids of changed clusters to the mean of their rows.
+void update(KmeansRun& run, const Features& features, const FeatureColumns& columns) {
+  const int dimensions = features.dimensions;
+  run.centroid.resize(dimensions);
+  update_changed(run, [&](int cluster, std::span<const int> members) {
+    run.sum.assign(dimensions, 0.0);
+    for (const int row : members) {
+      const float* values = features.row(row);
+      for (int i = 0; i < dimensions; ++i) run.sum[i] += values[i];
+    }
+    const auto count = static_cast<double>(members.size());
+    for (int i = 0; i < dimensions; ++i) run.centroid[i] = static_cast<float>(run.sum[i] / count);
+    eval_distances(columns, run.centroid.data(), 1, run.distances_of(cluster));
+  });
+}
+
+/// The same from distances of pairs alone.
+void update_by_pairs(KmeansRun& run, const PairDistances& pairs) {
+  update_changed(run, [&](int cluster, std::span<const int> members) {
+    run.variances[cluster] = best_row_kernels().centroid_distances(
+        pairs.values.data(), pairs.stride, members.data(), static_cast<int>(members.size()),
+        run.distances_of(cluster));
+  });
 }
 
 /// The sum of squared distances of rows from their centroids, after update_by_pairs. 0 where all
@@ -99,24 +100,14 @@ double inertia(const KmeansRun& run) {
   return sum;
 }
 
-/// Which of two equally near members becomes the representative.
-enum class Ties {
-  lower_row,
-  alternating,  ///< the higher row in every other cluster
-};
-
 /// Drops empty clusters and picks representatives.
-Clustering finish(const KmeansRun& run, Ties ties) {
+Clustering finish(const KmeansRun& run) {
   std::vector<int> representatives(run.k(), -1);
   for (int row = 0; row < run.rows; ++row) {
     const int cluster = run.cluster_of[row];
     int& representative = representatives[cluster];
     const float* distances = run.distances_of(cluster);
-    const bool takes_ties = ties == Ties::alternating && cluster % 2 == 1;
-    if (representative < 0 || distances[row] < distances[representative] ||
-        (takes_ties && distances[row] == distances[representative])) {
-      representative = row;
-    }
+    if (representative < 0 || distances[row] < distances[representative]) representative = row;
   }
   Clustering result{run.cluster_of, {}};
   std::vector<int> renumbered(run.k(), -1);
@@ -186,12 +177,10 @@ Clustering kmeans(const Features& features, std::span<const int> seeds, int max_
   for (int cluster = 0; cluster < run.k(); ++cluster) {
     eval_distances(columns, features.row(seeds[cluster]), 1, run.distances_of(cluster));
   }
-  std::vector<double> sum;
-  std::vector<float> centroid;
   for (int iteration = 0; iteration < max_iterations && assign(run); ++iteration) {
-    update(run, features, columns, sum, centroid);
+    update(run, features, columns);
   }
-  return finish(run, Ties::lower_row);
+  return finish(run);
 }
 
 Clustering strong_kmeans(const Features& features, int k, int restarts, int max_iterations,
@@ -211,7 +200,7 @@ Clustering strong_kmeans(const Features& features, int k, int restarts, int max_
       std::copy_n(pairs.row(buffers.seeds[cluster]), pairs.stride, run.distances_of(cluster));
     }
     for (int iteration = 0; iteration < max_iterations && assign(run); ++iteration) {
-      update_by_pairs(run, pairs, buffers.members);
+      update_by_pairs(run, pairs);
     }
     const double value = inertia(run);
     if (attempt > 0 && !(value < best_inertia)) continue;
@@ -219,7 +208,11 @@ Clustering strong_kmeans(const Features& features, int k, int restarts, int max_
     std::swap(run, buffers.best);
     if (!(value > 0)) break;  // all rows of a cluster coincide: nothing is better
   }
-  return finish(buffers.best, Ties::alternating);
+  // Once more in space, for the representatives: see the header.
+  KmeansRun& best = buffers.best;
+  std::fill(best.changed.begin(), best.changed.end(), true);
+  update(best, features, buffers.columns);
+  return finish(best);
 }
 
 }  // namespace relume

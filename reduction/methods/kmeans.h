@@ -23,6 +23,10 @@ struct KmeansRun {
   std::vector<int> members;      ///< per cluster
   std::vector<char> changed;     ///< per cluster: members differ from those its centroid is of
   std::vector<float> variances;  ///< per cluster: mean squared distance of members from centroid
+  std::vector<int> sorted;       ///< rows by cluster, ascending within one
+  std::vector<int> ends;         ///< per cluster, where its rows end in `sorted`
+  std::vector<double> sum;       ///< dimensions: working memory
+  std::vector<float> centroid;   ///< dimensions: working memory
 
   int k() const { return static_cast<int>(members.size()); }
   float* distances_of(int cluster) { return &distances[static_cast<size_t>(cluster) * stride]; }
@@ -31,29 +35,23 @@ struct KmeansRun {
   }
 };
 
-/// Rows listed by cluster.
-struct KmeansMembers {
-  std::vector<int> rows;
-  std::vector<int> ends;  ///< per cluster, where its rows end
-};
-
 /// Working memory of strong_kmeans, for one thread to keep between pixels.
 struct KmeansBuffers {
   FeatureColumns columns;  ///< of the features last given
   PairDistances pairs;
   std::vector<int> seeds;
   std::vector<float> nearest_seed;  ///< stride: squared distance of each row
-  KmeansMembers members;
   KmeansRun run;
   KmeansRun best;
 };
 
 /// Strong k-means: k-means++ seeding (Arthur and Vassilvitskii 2007), `restarts` runs, the one with
-/// the least sum of squared distances wins, ties to the earlier; a sum of 0 ends it early. The
-/// two members of a pair are equally near its centroid: the lower row represents it in every other
-/// cluster and the higher in the rest, or records would lean to the side of the pixel that is
-/// sampled first (3% more error on smooth surfaces). All of it rests on the distances of pairs of
-/// rows: O(rows^2 (dimensions + iterations)), with rows^2 floats of memory.
+/// the least sum of squared distances wins, ties to the earlier; a sum of 0 ends it early. Runs
+/// rest on the distances of pairs of rows: O(rows^2 (dimensions + iterations)), with rows^2 floats
+/// of memory. Representatives are nearest to the centroid as it lies in space, rounded to float:
+/// from pairs the two members of a cluster of two are equally near, and were it always the lower
+/// row, records would lean to the side of the pixel that is sampled first (3% more error on
+/// spheres).
 Clustering strong_kmeans(const Features& features, int k, int restarts, int max_iterations,
                          Random& random, KmeansBuffers& buffers);
 
