@@ -190,7 +190,7 @@ bool RecordFitter::solve(const std::vector<FitRecord>& records, double damping) 
       const double* h = &half[row * n_g];
       for (size_t i = 0; i < n_g; ++i) {
         step_g_[i] -= h[i] * half_b[row];
-        for (size_t j = 0; j < n_g; ++j) schur[i * n_g + j] -= h[i] * h[j];
+        for (size_t j = 0; j <= i; ++j) schur[i * n_g + j] -= h[i] * h[j];  // lower triangle only
       }
     }
   }

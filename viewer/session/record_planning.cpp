@@ -1,7 +1,9 @@
 #include "viewer/session/record_planning.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "reduction/pixel_reducer.h"
 #include "viewer/session/method_training.h"
@@ -9,33 +11,49 @@
 namespace relume {
 namespace {
 
-/// Enough for a standard error of about one in a hundred of an average; pixels, background
-/// included.
-constexpr int planning_pixels = 16384;
+/// Where records cost nothing at all, pixels still take no more than help them.
+constexpr float smallest_cost = std::numeric_limits<float>::min();
 
-/// Tiles between two reports of progress.
-constexpr size_t batch_tiles = 128;
+/// At most so many pixels, for a standard error of about one in a hundred of an average; of small
+/// views a part, but enough for two in a hundred. Background included.
+constexpr int64_t most_planning_pixels = 16384;
+constexpr int64_t least_planning_pixels = 4096;
+constexpr int64_t planning_part = 8;
 
-/// Error curves of `count` random pixels of tile `index`, or all it has, that have samples.
-std::vector<ErrorCurve> tile_curves(const ViewSampler& view, const ReductionParams& reduction,
-                                    const ReductionLights& lights, int index, int count) {
-  const TileRectangle tile = tile_rectangle(view, index);
-  PixelReducer reducer(view.types.types, reduction, lights);
-  Random random(reduction.seed, RandomStream::planning, static_cast<uint64_t>(index));
-  std::vector<ErrorCurve> curves;
-  const int pixels = tile.width * tile.height;
-  const int runs = std::min(count, pixels);
-  for (int i = 0; i < runs; ++i) {
-    // One pixel of each of `runs` equal runs of the tile's pixels.
-    const int first = i * pixels / runs;
-    const int last = (i + 1) * pixels / runs;
-    const int pixel = first + static_cast<int>(random.below(static_cast<uint32_t>(last - first)));
-    const int x = tile.x0 + pixel % tile.width;
-    const int y = tile.y0 + pixel / tile.width;
-    const SampleTile samples = sample_one_pixel(view, x, y);
-    reducer.load(samples, 0, static_cast<uint64_t>(y) * static_cast<uint64_t>(view.width) + x);
-    if (reducer.sample_count() > 0) curves.push_back(reducer.error_curve(0));
+/// Enough to know the cost to a factor.
+constexpr int64_t pilot_pixels = 512;
+constexpr float pilot_margin = 4;
+
+/// Pixels between two reports of progress.
+constexpr int64_t batch_pixels = 1024;
+
+/// Error curves of `count` random pixels, one of each of `count` equal runs of the view's pixels,
+/// exact for any cost of a record that is not below `cost`. Pixels without samples have none.
+std::vector<ErrorCurve> sample_curves(const ViewSampler& view, const ReductionParams& reduction,
+                                      const ReductionLights& lights, int64_t count, float cost,
+                                      Progress& progress) {
+  const int64_t pixels = int64_t{view.width} * view.height;
+  const int64_t runs = std::min(count, pixels);
+  std::vector<ErrorCurve> curves(static_cast<size_t>(runs));
+  for (int64_t begin = 0; begin < runs; begin += batch_pixels) {
+    const int64_t batch = std::min(batch_pixels, runs - begin);
+    parallel_for(static_cast<size_t>(batch), 16, [&](size_t low, size_t high) {
+      PixelReducer reducer(view.types.types, reduction, lights);
+      for (size_t i = low; i < high; ++i) {
+        const int64_t run = begin + static_cast<int64_t>(i);
+        const int64_t first = run * pixels / runs;
+        const int64_t last = (run + 1) * pixels / runs;
+        Random random(reduction.seed, RandomStream::planning, static_cast<uint64_t>(first));
+        const int64_t pixel = first + random.below(static_cast<uint32_t>(last - first));
+        const SampleTile samples = sample_one_pixel(view, static_cast<int>(pixel % view.width),
+                                                    static_cast<int>(pixel / view.width));
+        reducer.load(samples, 0, static_cast<uint64_t>(pixel));
+        if (reducer.sample_count() > 0) curves[run] = reducer.error_curve(cost);
+      }
+    });
+    progress.update(static_cast<double>(begin + batch), static_cast<double>(runs));
   }
+  std::erase_if(curves, [](const ErrorCurve& curve) { return curve.errors.empty(); });
   return curves;
 }
 
@@ -44,27 +62,24 @@ std::vector<ErrorCurve> tile_curves(const ViewSampler& view, const ReductionPara
 float plan_record_cost(const Scene& scene, const ViewSampler& view,
                        const ReductionParams& reduction, const TrainingParams& training,
                        const RecordBudget& budget, const ProgressCallback& callback) {
+  CHECK(budget.is_set());
   ReductionParams params = reduction;
   params.predict_error = true;
   const auto lights = make_method_lights(scene, view, params, training);
-  const auto tiles = static_cast<size_t>(tile_count(view));
-  const int per_tile = std::max(1, static_cast<int>(planning_pixels / static_cast<int64_t>(tiles)));
-  std::vector<std::vector<ErrorCurve>> curves(tiles);
-  Progress progress(callback, "plan records of " + scene.name);
-  for (size_t first = 0; first < tiles; first += batch_tiles) {
-    const size_t count = std::min(batch_tiles, tiles - first);
-    parallel_for(count, 1, [&](size_t begin, size_t end) {
-      for (size_t i = first + begin; i < first + end; ++i) {
-        curves[i] = tile_curves(view, params, lights->lights(), static_cast<int>(i), per_tile);
-      }
-    });
-    progress.update(static_cast<double>(first + count), static_cast<double>(tiles));
-  }
-  std::vector<ErrorCurve> all;
-  for (std::vector<ErrorCurve>& tile : curves) {
-    std::move(tile.begin(), tile.end(), std::back_inserter(all));
-  }
-  return solve_record_cost(all, budget);
+  // A few whole curves tell the cost to a factor; then most pixels need only their curves' starts.
+  Progress pilot(callback, "plan records of " + scene.name);
+  float least_cost = solve_record_cost(
+      sample_curves(view, params, lights->lights(), pilot_pixels, 0, pilot), budget);
+  const int64_t count = std::clamp(int64_t{view.width} * view.height / planning_part,
+                                   least_planning_pixels, most_planning_pixels);
+  float cost = 0;
+  do {
+    least_cost = least_cost > smallest_cost ? least_cost / pilot_margin : 0;
+    Progress progress(callback, "plan records of " + scene.name);
+    cost = solve_record_cost(
+        sample_curves(view, params, lights->lights(), count, least_cost, progress), budget);
+  } while (cost < least_cost);
+  return std::max(cost, smallest_cost);
 }
 
 }  // namespace relume
