@@ -22,15 +22,15 @@ std::vector<int> order_by_remainder(std::span<const int> counts, int64_t k, int6
   return order;
 }
 
-/// Gives types without a record one of those of the richest type, unless a quarter of a record is
-/// more than their share of k.
+/// Gives types without a record one of those of the richest type, unless an eighth of a record
+/// is more than their share of k.
 void keep_rare_types(std::span<const int> counts, int64_t k, int64_t total,
                      std::vector<int>& allocation) {
   std::vector<int> order(counts.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return counts[a] > counts[b]; });
   for (const int needy : order) {
-    if (allocation[needy] > 0 || 4 * counts[needy] * k < total) continue;
+    if (allocation[needy] > 0 || 8 * counts[needy] * k < total) continue;
     const auto richest = std::max_element(allocation.begin(), allocation.end());
     if (*richest < 2) return;
     --*richest;

@@ -79,19 +79,19 @@ TEST(Allocation, SumsToKOrToAllSamplesAndKeepsTheCaps) {
   }
 }
 
-TEST(Allocation, KeepsTypesOfAQuarterRecordWhileKAllows) {
+TEST(Allocation, KeepsTypesOfAnEighthOfARecordWhileKAllows) {
   for_each_split(14, [](const std::vector<int>& counts) {
     const int total = std::accumulate(counts.begin(), counts.end(), 0);
     for (int k = 0; k <= 14; ++k) {
       const std::vector<int> result = allocate_records(counts, k, true);
       const std::vector<int> plain = allocate_records(counts, k, false);
-      const auto is_kept = [&](int n) { return n > 0 && 4 * n * k >= total; };
+      const auto is_kept = [&](int n) { return n > 0 && 8 * n * k >= total; };
       const auto kept = std::count_if(counts.begin(), counts.end(), is_kept);
       const auto served = std::count_if(result.begin(), result.end(), [](int n) { return n > 0; });
       ASSERT_GE(served, std::min<std::ptrdiff_t>(kept, k));
       ASSERT_EQ(std::accumulate(result.begin(), result.end(), 0), std::min(k, total));
       for (size_t t = 0; t < counts.size(); ++t) {
-        // A type of less than a quarter record has none but by the plain rounding.
+        // A type of less than an eighth of a record has none but by the plain rounding.
         if (!is_kept(counts[t])) {
           ASSERT_LE(result[t], plain[t]);
         }
@@ -103,7 +103,8 @@ TEST(Allocation, KeepsTypesOfAQuarterRecordWhileKAllows) {
 TEST(Allocation, LosesRareTypesWithoutTheOption) {
   EXPECT_EQ(allocate_records(std::vector<int>{24, 1}, 8, false), (std::vector<int>{8, 0}));
   EXPECT_EQ(allocate_records(std::vector<int>{24, 1}, 8, true), (std::vector<int>{7, 1}));
-  EXPECT_EQ(allocate_records(std::vector<int>{24, 1}, 4, true), (std::vector<int>{4, 0}));
+  EXPECT_EQ(allocate_records(std::vector<int>{24, 1}, 4, true), (std::vector<int>{3, 1}));
+  EXPECT_EQ(allocate_records(std::vector<int>{24, 1}, 3, true), (std::vector<int>{3, 0}));
 }
 
 TEST(Allocation, TiesGoToTheLargerCountThenTheLowerIndex) {

@@ -11,10 +11,11 @@ namespace relume {
 
 int run_prepare(const PrepareCommandOptions& options, const CommonOptions& common) {
   const Timer timer;
+  const PrepareParams params = make_prepare_params(options.prepare, common);
   const RelightInput input = open_scene(options.scene, common);
   PrepareStats stats;
-  prepare_to_file(*input.scene, *input.tracer, make_prepare_params(options.prepare, common),
-                  options.output, make_terminal_progress(common.quiet), &stats);
+  prepare_to_file(*input.scene, *input.tracer, params, options.output,
+                  make_terminal_progress(common.quiet), &stats);
   const double prepare_ms = timer.ms();
   const uint64_t peak_bytes = peak_memory_bytes();
   const RelightCache cache = RelightCache::open(options.output, shader_table());

@@ -98,10 +98,10 @@ RelightInput open_input(const std::string& input, const PrepareOptions& prepare,
     result.cache = std::move(cache);
     return result;
   }
+  const PrepareParams params = make_prepare_params(prepare, common);
   RelightInput result = open_scene(input, common);
-  result.cache =
-      prepare_in_memory(*result.scene, *result.tracer, make_prepare_params(prepare, common),
-                        make_terminal_progress(common.quiet));
+  result.cache = prepare_in_memory(*result.scene, *result.tracer, params,
+                                   make_terminal_progress(common.quiet));
   return result;
 }
 
