@@ -37,13 +37,13 @@ class LightFit {
   /// `evaluator` must outlive the object.
   LightFit(const LobeEvaluator& evaluator, const LightFitParams& params);
 
-  /// True when records of this type can be fitted: it declares a direction and colours (design.md,
-  /// shader contract). Others are reduced by the report's categories.
+  /// True when records of this type can be fitted: it declares a direction and colours . Others are
+  /// reduced by the report's categories.
   bool fits_type(int type) const { return is_fitted_[type]; }
 
   /// Evaluates the samples of one pixel, by type, each of weight `weight_per_sample`. Types that do
-  /// not fit are left out. False when there is nothing to fit: no samples, or all responses black
-  /// or not finite.
+  /// not fit are left out; the others' values must stay until the last fit(). False when there is
+  /// nothing to fit: no samples, or all responses black or not finite.
   bool load(std::span<const SampleMatrix> matrices, float weight_per_sample);
 
   /// Samples of the loaded pixel that are of fitted types.

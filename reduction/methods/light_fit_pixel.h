@@ -21,8 +21,9 @@ class FitPixel {
  public:
   explicit FitPixel(const LobeEvaluator& lobes) : evaluator(lobes) {}
 
-  /// Evaluates the samples of the types for which `is_fitted` holds. False when there is nothing to
-  /// fit: none, or responses that are all black or not finite.
+  /// Evaluates the samples of the types for which `is_fitted` holds; their values must stay where
+  /// they are until the next load. False when there is nothing to fit: none, or responses that are
+  /// all black or not finite.
   bool load(std::span<const SampleMatrix> matrices, float weight_per_sample,
             const std::vector<bool>& is_fitted);
 

@@ -74,12 +74,14 @@ std::vector<Light> make_lights(int count) {
 
 /// A pixel made ready under lights that live as long as it does.
 struct Loaded {
+  Pixel pixel;  ///< the samples stay where they are
   TrainingSet training;
   FitPixel fit;
   bool is_loaded;
 
-  Loaded(const Pixel& pixel, const std::vector<Light>& lights)
-      : training(make_training_set(lights, pixel.types, eye, 1)),
+  Loaded(Pixel samples, const std::vector<Light>& lights)
+      : pixel(std::move(samples)),
+        training(make_training_set(lights, pixel.types, eye, 1)),
         fit(training.evaluator),
         is_loaded(fit.load(pixel.matrices(), 0.05f, std::vector<bool>(pixel.types.size(), true))) {}
 };
