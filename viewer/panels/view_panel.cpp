@@ -17,10 +17,18 @@ std::string short_count(uint64_t count) {
   return fmt::format("{}", count);
 }
 
+std::string records_text(const SessionInfo& info) {
+  if (info.budget.average_records > 0)
+    return fmt::format("average {:g}", info.budget.average_records);
+  if (info.budget.target_error > 0)
+    return fmt::format("error {:g} %", 100 * info.budget.target_error);
+  return fmt::format("k = {}", info.records);
+}
+
 std::string scene_line(const Session& session) {
   const SessionInfo& info = session.info();
-  return fmt::format("{}x{}   {}, k = {}   {} records   {} lights", info.width, info.height,
-                     info.method, info.records, short_count(info.record_count),
+  return fmt::format("{}x{}   {}, {}   {} records   {} lights", info.width, info.height,
+                     info.method, records_text(info), short_count(info.record_count),
                      session.view().lights.size());
 }
 

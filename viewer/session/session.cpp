@@ -224,6 +224,7 @@ Session make_session(std::unique_ptr<const Scene> scene, std::unique_ptr<const T
                 .bounds = cache.bounds,
                 .method = cache.method,
                 .records = cache.records,
+                .budget = {cache.average_records, cache.target_error},
                 .spp = cache.spp,
                 .record_count = cache.record_count,
                 .coverage = frames.coverage(),

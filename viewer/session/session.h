@@ -8,6 +8,7 @@
 
 #include "core/image/metrics.h"
 #include "core/scene/scene.h"
+#include "reduction/budget.h"
 #include "viewer/session/relight_worker.h"
 #include "viewer/session/view_state.h"
 
@@ -19,9 +20,10 @@ struct SessionInfo {
   int width = 0;      ///< pixels
   int height = 0;     ///< pixels
   Camera camera;
-  Bounds bounds;       ///< of the scene, world
-  std::string method;  ///< reduction label
-  int records = 0;     ///< k asked for per pixel
+  Bounds bounds;        ///< of the scene, world
+  std::string method;   ///< reduction label
+  int records = 0;      ///< k asked for per pixel, at most
+  RecordBudget budget;  ///< if any, that the records were shared out by
   int spp = 0;
   uint64_t record_count = 0;
   std::vector<float> coverage;         ///< per pixel in [0, 1]; empty = unknown
