@@ -15,6 +15,10 @@ class Film {
   explicit Film(Image& image) : image_(image) {}
 
   void write(int x, int y, vec3 rgb);
+  /// Writes `count` neighbouring pixels of a row, from pixel (x, y) on, three floats each.
+  void write_row(int x, int y, int count, const float* rgb);
+  /// The same from four floats a pixel, of which the fourth is not used but finite.
+  void write_row_rgbx(int x, int y, int count, const float* rgbx);
   /// Values replaced so far.
   uint64_t replaced() const { return replaced_.load(std::memory_order_relaxed); }
 

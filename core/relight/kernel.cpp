@@ -2,18 +2,18 @@
 
 namespace relume {
 
-ShadeBlock block_kernel(InstructionSet set) {
+ShadeBlocks block_kernel(InstructionSet set) {
   switch (set) {
 #if defined(RELUME_X86_KERNELS)
     case InstructionSet::avx512:
-      return avx512::shade_block;
+      return avx512::shade_blocks;
     case InstructionSet::avx2:
-      return avx2::shade_block;
+      return avx2::shade_blocks;
     case InstructionSet::sse42:
-      return sse42::shade_block;
+      return sse42::shade_blocks;
 #endif
     default:
-      return scalar::shade_block;
+      return scalar::shade_blocks;
   }
 }
 

@@ -12,87 +12,230 @@ namespace relume::RELUME_ISA {
 
 inline constexpr int lanes = 16;  // block_lanes of core/samples/relight_cache.h
 
-/// Radiance towards wo per unit irradiance: the lobes times their colours.
+/// Radiance towards wo: the lobes times their colours and `scale`.
 template <class Shader, class Load>
-V respond(const Load& field, V wi, V wo) {
+V respond(const Load& field, V wi, V wo, F scale) {
   const auto lobes = Shader::template lobes<F>(field, wi, wo);
-  V sum{F(0), F(0), F(0)};
+  V sum{};
   int k = 0;
   for (const int color : Shader::colors) {
-    const F lobe = lobes.value[k++];
-    sum = {fma(field(color), lobe, sum.x), fma(field(color + 1), lobe, sum.y),
-           fma(field(color + 2), lobe, sum.z)};
+    const F lobe = lobes.value[k] * scale;
+    const V rgb{field(color), field(color + 1), field(color + 2)};
+    sum = k++ == 0 ? rgb * lobe
+                   : V{fma(rgb.x, lobe, sum.x), fma(rgb.y, lobe, sum.y), fma(rgb.z, lobe, sum.z)};
   }
   return sum;
 }
 
-/// Shades `slots` slots of one shader and adds them to rgb, lane by lane in slot order.
-template <class Shader, LightKernel kind, bool shadowed>
-void shade_slots(const float* data, const float* visibility, int slots, int width, const float* eye,
-                 const KernelLight& light, float* rgb) {
-  const int slot_floats = (1 + width) * lanes;
-  const LightPack light_pack = broadcast(light);
-  for (int lane = 0; lane < lanes; lane += native_width) {
-    F red = F::load(rgb + lane);
-    F green = F::load(rgb + lanes + lane);
-    F blue = F::load(rgb + 2 * lanes + lane);
-    for (int slot = 0; slot < slots; ++slot) {
-      const float* base = data + static_cast<int64_t>(slot) * slot_floats + lane;
-      const auto field = [base](int i) { return F::load(base + (1 + i) * lanes); };
-      const V p{field(0), field(1), field(2)};
-      const Incident in = incident<kind>(light_pack, p);
-      const V wo = direction_to(V{F(eye[0]), F(eye[1]), F(eye[2])}, p);
-      F scale = F::load(base) * in.irradiance;
-      if constexpr (shadowed) scale = scale * F::load(visibility + slot * lanes + lane);
-      const V response = respond<Shader>(field, in.wi, wo);
-      red = fma(response.x, scale, red);
-      green = fma(response.y, scale, green);
-      blue = fma(response.z, scale, blue);
-    }
-    red.store(rgb + lane);
-    green.store(rgb + lanes + lane);
-    blue.store(rgb + 2 * lanes + lane);
+/// Floats per sample vector.
+template <class Shader>
+constexpr int vector_width() {
+  int width = 0;
+  for (const SampleField& field : Shader::fields) width += field.width;
+  return width;
+}
+
+/// One slot of some block.
+struct Slot {
+  const float* data;
+  const float* visibility;  ///< 16 values, or null when every record is visible
+  float* rgb;               ///< its block's sums: 3 x 16 floats a light
+};
+
+/// Slots of one type. Kernels take them in groups and may shade more than `count`, up to a full
+/// group: the list is padded with slots whose sums nobody reads.
+struct SlotList {
+  static constexpr int capacity = 64;
+  static constexpr int group = 8;  ///< at most, and divides the capacity
+  Slot slots[capacity];
+  int count = 0;
+  uintptr_t ahead = 0;  ///< what to prefetch next
+};
+
+/// What slots are shaded with.
+template <int count>
+struct Illumination {
+  V eye;
+  LightPack lights[count];
+};
+
+/// What one pack of records sends to the eye under each light. A record is loaded once for all.
+template <class Shader, LightKernel kind, bool shadowed, int count>
+void shade_pack(const float* record, const float* visibility, const Illumination<count>& by,
+                V* radiance) {
+  const auto field = [record](int i) { return F::load(record + (1 + i) * lanes); };
+  const V p{field(0), field(1), field(2)};
+  const V wo = direction_to(by.eye, p);
+  F weight = F::load(record);
+  if constexpr (shadowed) weight = weight * F::load(visibility);
+#pragma GCC unroll 4
+  for (int i = 0; i < count; ++i) {
+    const Incident in = incident<kind>(by.lights[i], p);
+    radiance[i] = respond<Shader>(field, in.wi, wo, weight * in.irradiance);
   }
 }
 
-using ShadeSlots = void (*)(const float*, const float*, int, int, const float*, const KernelLight&,
-                            float*);
+template <int count>
+void add_radiance(const V* radiance, float* rgb) {
+#pragma GCC unroll 4
+  for (int i = 0; i < count; ++i) {
+    float* const sums = rgb + 3 * lanes * i;
+    const V sum = load_vec3<native_width>(sums, lanes);
+    store_vec3(V{sum.x + radiance[i].x, sum.y + radiance[i].y, sum.z + radiance[i].z}, sums, lanes);
+  }
+}
 
+/// Packs that are shaded side by side: the chain of dependent operations of one record under one
+/// light is longer than what a core looks ahead. With more packs than this, records would come from
+/// memory in an order that its prefetchers do not foresee, and registers would not suffice.
+constexpr int packs_together(int lights) {
+  const int chains = native_width == lanes ? 2 : 4;
+  return chains > lights ? chains / lights : 1;
+}
+
+/// How far ahead of a tile's data its successors' are asked for: beyond the tile itself, since its
+/// records are taken type by type, and within the second-level cache.
+inline constexpr int prefetch_bytes = 128 << 10;
+
+/// Asks for the next `bytes` of the cache, in the order in which they lie there. What lies beyond
+/// its end is not there to be had, which does no harm.
+template <int bytes>
+void prefetch_next(uintptr_t& ahead) {
+#pragma GCC unroll 64
+  for (int line = 0; line < bytes; line += 64) {
+    __builtin_prefetch(reinterpret_cast<const void*>(ahead + line));
+  }
+  ahead += bytes;
+}
+
+/// Shades slots of one shader under `count` lights. A lane's sum goes in the list's order.
+/// Flattened: the loop body is one straight piece of code, whose chains overlap.
+template <class Shader, LightKernel kind, bool shadowed, int count>
+[[gnu::flatten]] void shade_slots(const SlotList& list, const float* eye,
+                                  const KernelLight* lights) {
+  constexpr int packs = packs_together(count);
+  constexpr int parts = lanes / native_width < packs ? lanes / native_width : packs;
+  constexpr int slots = packs / parts;
+  Illumination<count> by{{F(eye[0]), F(eye[1]), F(eye[2])}, {}};
+#pragma GCC unroll 4
+  for (int i = 0; i < count; ++i) by.lights[i] = broadcast(lights[i]);
+  uintptr_t ahead = list.ahead;
+  for (int first = 0; first < list.count; first += slots) {
+    prefetch_next<slots*(1 + vector_width<Shader>()) * lanes* int{sizeof(float)}>(ahead);
+    for (int lane = 0; lane < lanes; lane += parts * native_width) {
+      V radiance[packs][count];
+#pragma GCC unroll 8
+      for (int pack = 0; pack < packs; ++pack) {
+        const Slot& slot = list.slots[first + pack / parts];
+        const int offset = lane + pack % parts * native_width;
+        shade_pack<Shader, kind, shadowed>(
+            slot.data + offset, shadowed ? slot.visibility + offset : nullptr, by, radiance[pack]);
+      }
+#pragma GCC unroll 8
+      for (int pack = 0; pack < packs; ++pack) {
+        const int offset = lane + pack % parts * native_width;
+        add_radiance<count>(radiance[pack], list.slots[first + pack / parts].rgb + offset);
+      }
+    }
+  }
+}
+
+using ShadeSlots = void (*)(const SlotList&, const float* eye, const KernelLight*);
+
+/// Kernels of one shader and light kind.
 struct ShaderKernels {
-  ShadeSlots by_light[static_cast<int>(LightKernel::count)][2];  // [kind][shadowed]
+  ShadeSlots shadowed;
+  ShadeSlots one;
+  ShadeSlots two;
+  ShadeSlots four;
+  int slot_floats;
+};
+
+template <class Shader, LightKernel kind>
+constexpr ShaderKernels kernels_of() {
+  return {shade_slots<Shader, kind, true, 1>, shade_slots<Shader, kind, false, 1>,
+          shade_slots<Shader, kind, false, 2>, shade_slots<Shader, kind, false, 4>,
+          (1 + vector_width<Shader>()) * lanes};
+}
+
+struct ShaderTable {
+  ShaderKernels by_kind[static_cast<int>(LightKernel::count)];
 };
 
 template <class Shader>
-constexpr ShaderKernels kernels_of() {
+constexpr ShaderTable table_of() {
   using K = LightKernel;
-  return {
-      {{shade_slots<Shader, K::point, false>, shade_slots<Shader, K::point, true>},
-       {shade_slots<Shader, K::point_constant, false>,
-        shade_slots<Shader, K::point_constant, true>},
-       {shade_slots<Shader, K::spot, false>, shade_slots<Shader, K::spot, true>},
-       {shade_slots<Shader, K::spot_constant, false>, shade_slots<Shader, K::spot_constant, true>},
-       {shade_slots<Shader, K::directional, false>, shade_slots<Shader, K::directional, true>}}};
+  return {{kernels_of<Shader, K::point>(), kernels_of<Shader, K::point_constant>(),
+           kernels_of<Shader, K::spot>(), kernels_of<Shader, K::spot_constant>(),
+           kernels_of<Shader, K::directional>()}};
 }
 
 template <class... Shaders>
-const ShaderKernels* kernel_table(ShaderList<Shaders...>) {
-  static constexpr ShaderKernels table[] = {kernels_of<Shaders>()...};
+const ShaderTable* kernel_table(ShaderList<Shaders...>) {
+  static constexpr ShaderTable table[] = {table_of<Shaders>()...};
   return table;
 }
 
-void shade_block(const KernelBlock& block, const KernelLight& light) {
-  const ShaderKernels* const table = kernel_table(AllShaders{});
-  const float* data = block.data;
-  const float* visibility = block.visibility;
-  for (int i = 0; i < 3 * lanes; ++i) block.rgb[i] = 0;
-  for (int type = 0; type < block.type_count; ++type) {
-    const int slots = block.slots[type];
-    if (slots == 0) continue;
-    const int width = block.widths[type];
-    table[block.shaders[type]].by_light[static_cast<int>(light.kind)][visibility != nullptr](
-        data, visibility, slots, width, block.eye, light, block.rgb);
-    data += static_cast<int64_t>(slots) * (1 + width) * lanes;
-    if (visibility != nullptr) visibility += slots * lanes;
+/// Shades slots of one type under all lights, in passes of four, two and one.
+inline void shade_list(const ShaderKernels& kernels, SlotList& list, const KernelTile& tile,
+                       float* unread) {
+  if (list.count == 0) return;
+  for (int i = list.count; i % SlotList::group != 0; ++i) {
+    list.slots[i] = list.slots[i - 1];
+    list.slots[i].rgb = unread;
+  }
+  for (int done = 0; done < tile.light_count;) {
+    const int left = tile.light_count - done;
+    const int now = left >= 4 ? 4 : left >= 2 ? 2 : 1;
+    const ShadeSlots shade = list.slots[0].visibility != nullptr ? kernels.shadowed
+                             : now == 4                          ? kernels.four
+                             : now == 2                          ? kernels.two
+                                                                 : kernels.one;
+    shade(list, tile.eye, tile.lights + done);
+    done += now;
+    for (int i = 0; i < list.count; ++i) list.slots[i].rgb += 3 * lanes * now;
+  }
+  list.ahead += static_cast<uintptr_t>(list.count) * kernels.slot_floats * sizeof(float);
+  list.count = 0;
+}
+
+/// Where the next type of a block starts.
+struct BlockCursor {
+  const float* data;
+  const float* visibility;
+};
+
+void shade_blocks(const KernelTile& tile) {
+  const ShaderTable* const table = kernel_table(AllShaders{});
+  constexpr int block_floats = max_kernel_lights * 3 * lanes;
+  alignas(64) float rgb[max_kernel_blocks][block_floats];
+  alignas(64) float unread[block_floats] = {};
+  BlockCursor cursors[max_kernel_blocks];
+  for (int b = 0; b < tile.block_count; ++b) {
+    cursors[b] = {tile.blocks[b].data, tile.blocks[b].visibility};
+    for (int i = 0; i < tile.light_count * 3 * lanes; ++i) rgb[b][i] = 0;
+  }
+  const int kind = static_cast<int>(tile.lights[0].kind);
+  SlotList list;
+  list.ahead = reinterpret_cast<uintptr_t>(tile.blocks[0].data) + prefetch_bytes;
+  for (int type = 0; type < tile.type_count; ++type) {
+    const ShaderKernels& kernels = table[tile.shaders[type]].by_kind[kind];
+    for (int b = 0; b < tile.block_count; ++b) {
+      BlockCursor& at = cursors[b];
+      for (int slot = 0; slot < tile.blocks[b].slots[type]; ++slot) {
+        list.slots[list.count++] = {at.data, at.visibility, rgb[b]};
+        at.data += kernels.slot_floats;
+        if (at.visibility != nullptr) at.visibility += lanes;
+        if (list.count == SlotList::capacity) shade_list(kernels, list, tile, unread);
+      }
+    }
+    shade_list(kernels, list, tile, unread);
+  }
+  for (int b = 0; b < tile.block_count; ++b) {
+    for (int i = 0; i < tile.light_count; ++i) {
+      scatter_rgbx(rgb[b] + 3 * lanes * i, tile.blocks[b].pixels, tile.blocks[b].lanes,
+                   tile.rgbx[i]);
+    }
   }
 }
 

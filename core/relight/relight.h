@@ -20,8 +20,9 @@ struct RelightStats {
   uint64_t records_shaded = 0;   ///< records x layers, padding excluded
   uint64_t replaced_values = 0;  ///< non-finite pixel values that the film replaced by 0
   double prepare_ms = 0;         ///< VisibilitySource::prepare
-  double shade_ms = 0;           ///< shading and visibility of the changed layers
-  double combine_ms = 0;         ///< weighted sum of the layers
+  double shade_ms = 0;    ///< shading and visibility of the changed layers; where the last of them
+                          ///< has no shadows, the weighted sum, too, which is made on the way
+  double combine_ms = 0;  ///< weighted sum of the layers, when made by itself
 };
 
 /// The one mutable state of relighting: a layer per light and their weighted sum. A layer is the
@@ -36,9 +37,10 @@ struct RelightState {
 RelightState make_relight_state(const RelightCache& cache);
 
 /// Brings state.frame up to date with `lights`. Only layers whose light moved (see same_layer) are
-/// shaded; gain, colour and mute cost a weighted sum. `shadows` null: everything is visible. Lights
-/// are validated (Error(input) names the light and the field) before anything changes. The frame is
-/// bit-equal for any thread count. Call invalidate() after exchanging the shadow method.
+/// shaded, those without shadows in one pass over the records; gain, colour and mute cost a
+/// weighted sum. `shadows` null: everything is visible. Lights are validated (Error(input) names
+/// the light and the field) before anything changes. The frame is bit-equal for any thread count.
+/// Call invalidate() after exchanging the shadow method.
 RelightStats relight(RelightState& state, std::span<const Light> lights, VisibilitySource* shadows,
                      const RelightParams& params = {});
 

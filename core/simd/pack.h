@@ -100,14 +100,32 @@ Pack<W> select(Mask<W> mask, Pack<W> a, Pack<W> b) {
   return make_pack<W>(mask.v ? a.v : b.v);
 }
 
-/// a > b ? a : b: a NaN in `a` gives b.
+/// a > b ? a : b: a NaN in `a` gives b. GCC 12 does not find the instruction by itself.
 template <int W>
 Pack<W> max(Pack<W> a, Pack<W> b) {
+#if defined(__AVX512F__)
+  if constexpr (W == 16) return make_pack<W>(_mm512_max_ps(a.v, b.v));
+#endif
+#if defined(__AVX2__)
+  if constexpr (W == 8) return make_pack<W>(_mm256_max_ps(a.v, b.v));
+#endif
+#if defined(__SSE4_2__)
+  if constexpr (W == 4) return make_pack<W>(_mm_max_ps(a.v, b.v));
+#endif
   return make_pack<W>(a.v > b.v ? a.v : b.v);
 }
-/// a < b ? a : b: a NaN in `a` gives b.
+/// a < b ? a : b: a NaN in `a` gives b. GCC 12 does not find the instruction by itself.
 template <int W>
 Pack<W> min(Pack<W> a, Pack<W> b) {
+#if defined(__AVX512F__)
+  if constexpr (W == 16) return make_pack<W>(_mm512_min_ps(a.v, b.v));
+#endif
+#if defined(__AVX2__)
+  if constexpr (W == 8) return make_pack<W>(_mm256_min_ps(a.v, b.v));
+#endif
+#if defined(__SSE4_2__)
+  if constexpr (W == 4) return make_pack<W>(_mm_min_ps(a.v, b.v));
+#endif
   return make_pack<W>(a.v < b.v ? a.v : b.v);
 }
 
@@ -147,23 +165,21 @@ Pack<W> sqrt(Pack<W> a) {
 /// the machine has an estimate, else exact square root and division).
 template <int W>
 Pack<W> rsqrt(Pack<W> a) {
-  Pack<W> estimate;
-  bool refine = false;
+#if defined(__SSE4_2__)
+  if constexpr (W > 1) {
+    Pack<W> estimate;
 #if defined(__AVX512F__)
-  if constexpr (W == 16) {
-    estimate = make_pack<W>(_mm512_rsqrt14_ps(a.v));
-    refine = true;
-  }
+    if constexpr (W == 16) estimate = make_pack<W>(_mm512_rsqrt14_ps(a.v));
 #endif
 #if defined(__AVX2__)
-  if constexpr (W == 8) {
-    estimate = make_pack<W>(_mm256_rsqrt_ps(a.v));
-    refine = true;
+    if constexpr (W == 8) estimate = make_pack<W>(_mm256_rsqrt_ps(a.v));
+#endif
+    if constexpr (W == 4) estimate = make_pack<W>(_mm_rsqrt_ps(a.v));
+    const Pack<W> minus_half = Pack<W>(-0.5f) * a * estimate;
+    return estimate * fma(minus_half, estimate, Pack<W>(1.5f));
   }
 #endif
-  if (!refine) return Pack<W>(1.0f) / sqrt(a);
-  const Pack<W> half = Pack<W>(0.5f) * a * estimate;
-  return estimate * (Pack<W>(1.5f) - half * estimate);
+  return Pack<W>(1.0f) / sqrt(a);
 }
 
 /// Integer views of the bits, for exponent arithmetic.
@@ -225,10 +241,11 @@ Pack<W> log2(Pack<W> x) {
 /// the arithmetic (they cost several times the frame; the contribution is below 6e-20).
 template <int W>
 Pack<W> exp2(Pack<W> x) {
-  using Int = typename Lanes<int32_t, W>::type;
   const Pack<W> clamped = max(x, Pack<W>(-64.0f));
-  const Int whole = to_int(clamped + Pack<W>(1024.5f)) - 1024;  // round to nearest
-  const Pack<W> f = clamped - to_float<W>(whole);               // [-0.5, 0.5]
+  // Rounds to nearest: the whole number stands in the low bits of the sum.
+  const Pack<W> shifter(0x1.8p23f);
+  const Pack<W> shifted = clamped + shifter;
+  const Pack<W> f = clamped - (shifted - shifter);  // [-0.5, 0.5]
   Pack<W> p = Pack<W>(1.5403530394e-4f);
   p = fma(p, f, Pack<W>(1.3333558146e-3f));
   p = fma(p, f, Pack<W>(9.6181291076e-3f));
@@ -236,17 +253,18 @@ Pack<W> exp2(Pack<W> x) {
   p = fma(p, f, Pack<W>(2.4022650696e-1f));
   p = fma(p, f, Pack<W>(6.9314718056e-1f));
   p = fma(p, f, Pack<W>(1.0f));
-  const Pack<W> scale = from_bits<W>((whole + 127) << 23);
+  const Pack<W> scale = from_bits<W>((bits_of(shifted) + 127) << 23);
   return select(x < Pack<W>(-64.0f), Pack<W>(0.0f), p * scale);
 }
 
-/// x^e for x in [0, 1 + 1e-6] and e in [0, 1e5], with 0^0 = 1. Results below 2^-64 are 0. Relative
-/// error <= 1e-6 + 5e-7 e |log2 x|.
+/// x^e for x in [0, 1 + 1e-6] and e = 0 or in [1e-30, 1e5], with 0^0 = 1. Results below 2^-64 are
+/// 0. Relative error <= 1e-6 + 5e-7 e |log2 x|.
 template <int W>
 Pack<W> pow_unit(Pack<W> x, Pack<W> e) {
   const Pack<W> smallest(0x1p-126f);
-  const Pack<W> power = exp2(e * log2(max(x, smallest)));
-  return select(x < smallest, select(e > Pack<W>(0.0f), Pack<W>(0.0f), Pack<W>(1.0f)), power);
+  const Pack<W> log_of_zero(-0x1p120f);
+  const Pack<W> log = select(x < smallest, log_of_zero, log2(max(x, smallest)));
+  return exp2(e * log);
 }
 
 /// Three packs: a vector or a colour.
@@ -261,6 +279,49 @@ F dot(Vec3<F> a, Vec3<F> b) {
 template <class F>
 Vec3<F> operator*(Vec3<F> a, F s) {
   return {a.x * s, a.y * s, a.z * s};
+}
+
+/// Three packs whose first floats lie `stride` floats apart.
+template <int W>
+Vec3<Pack<W>> load_vec3(const float* p, int stride) {
+  return {Pack<W>::load(p), Pack<W>::load(p + stride), Pack<W>::load(p + 2 * stride)};
+}
+template <int W>
+void store_vec3(Vec3<Pack<W>> v, float* p, int stride) {
+  v.x.store(p);
+  v.y.store(p + stride);
+  v.z.store(p + 2 * stride);
+}
+
+/// Writes colours of 16 lanes, `rgb` = 16 reds, 16 greens, 16 blues, to four floats a pixel, RGB
+/// and 0: lane i to out[4 * pixels[i]]. Lanes from `lanes` on are left out.
+inline void scatter_rgbx(const float* rgb, const unsigned char* pixels, int lanes, float* out) {
+  using Four = Lanes<float, 4>::type;
+  for (int first = 0; first < lanes; first += 4) {
+    Four red;
+    Four green;
+    Four blue;
+    __builtin_memcpy(&red, rgb + first, sizeof(red));
+    __builtin_memcpy(&green, rgb + 16 + first, sizeof(green));
+    __builtin_memcpy(&blue, rgb + 32 + first, sizeof(blue));
+    const Four rg_low = __builtin_shufflevector(red, green, 0, 4, 1, 5);
+    const Four rg_high = __builtin_shufflevector(red, green, 2, 6, 3, 7);
+    const Four b_low = __builtin_shufflevector(blue, Four{}, 0, 4, 1, 5);
+    const Four b_high = __builtin_shufflevector(blue, Four{}, 2, 6, 3, 7);
+    const Four rgbx[4] = {__builtin_shufflevector(rg_low, b_low, 0, 1, 4, 5),
+                          __builtin_shufflevector(rg_low, b_low, 2, 3, 6, 7),
+                          __builtin_shufflevector(rg_high, b_high, 0, 1, 4, 5),
+                          __builtin_shufflevector(rg_high, b_high, 2, 3, 6, 7)};
+    if (first + 4 <= lanes) {
+      for (int i = 0; i < 4; ++i) {
+        __builtin_memcpy(out + 4 * pixels[first + i], &rgbx[i], sizeof(Four));
+      }
+    } else {
+      for (int i = 0; first + i < lanes; ++i) {
+        __builtin_memcpy(out + 4 * pixels[first + i], &rgbx[i], sizeof(Four));
+      }
+    }
+  }
 }
 
 }  // namespace relume::RELUME_ISA

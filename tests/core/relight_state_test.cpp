@@ -3,6 +3,8 @@
 #include "core/relight/film.h"
 #include "core/relight/reference_relight.h"
 #include "core/relight/relight.h"
+#include "core/samples/cache_writer.h"
+#include "core/shade/shaders.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/records.h"
 #include "tests/support/scenes.h"
@@ -75,6 +77,55 @@ TEST_F(RelightTest, OnlyTheMovedLightIsShadedAnew) {
   EXPECT_EQ(update().layers_shaded, 1);
   EXPECT_EQ(state_.layers[0].pixels, kept.pixels);
   EXPECT_EQ(max_difference(state_.frame, render_frame(cache_, lights_)), 0);
+}
+
+TEST_F(RelightTest, LightsOfAllKindsInOnePassEqualEachAlone) {
+  // Seven of one kind and some of each other: passes of four, two and one light.
+  lights_.clear();
+  for (int i = 0; i < 7; ++i) {
+    const auto x = static_cast<float>(i);
+    lights_.push_back(make_point_light({x - 3, 1, 3}, 5));
+    if (i % 2 == 0) lights_.push_back(make_spot_light({2, x, 3}, {-2, 0, -3}, 20, 40));
+    if (i % 3 == 0) lights_.push_back(make_directional_light({0, -1, -x}, 0.5f));
+    if (i % 3 == 1) lights_.push_back(make_point_light({x, 1, 3}, 5, false));
+  }
+  EXPECT_EQ(update().layers_shaded, static_cast<int>(lights_.size()));
+  for (size_t i = 0; i < lights_.size(); ++i) {
+    RelightState alone = make_relight_state(cache_);
+    relight(alone, {&lights_[i], 1}, nullptr);
+    EXPECT_EQ(state_.layers[i].pixels, alone.layers[0].pixels) << "light " << i;
+  }
+}
+
+TEST_F(RelightTest, TilesAtTheEdgesAreWrittenToTheirLastPixel) {
+  std::vector<SampleTile> tiles = make_random_tiles(types_, 37, 21, 3);
+  CacheWriter writer;
+  for (const SampleTile& tile : tiles) writer.add(pack_tile(tile, types_));
+  CacheInfo info = make_tile_info(tiles[0], types_, {0, 0, 5});
+  info.width = 37;
+  info.height = 21;
+  writer.finish(info);
+  const RelightCache cache = RelightCache::from_bytes(writer.take_bytes(), shader_table(), "edges");
+  RelightState state = make_relight_state(cache);
+  for (int move = 0; move < 2; ++move) {
+    lights_[0].position.x += 0.5f;
+    relight(state, lights_, nullptr);
+    const Image exact = reference_layer(cache, lights_[0], nullptr);  // exponents up to 1e5
+    float brightest = 0;
+    for (const float value : exact.pixels) brightest = std::max(brightest, value);
+    EXPECT_LE(max_difference(state.layers[0], exact), 1e-2f * brightest);
+    for (int y = 0; y < 21; ++y) {
+      for (int x = 0; x < 37; ++x) {
+        vec3 sum(0);
+        for (size_t i = 0; i < lights_.size(); ++i) {
+          sum += lights_[i].weight() * state.layers[i].rgb(static_cast<size_t>(y) * 37 + x);
+        }
+        ASSERT_LE(glm::distance(state.frame.rgb(static_cast<size_t>(y) * 37 + x), sum),
+                  1e-5f * (1 + glm::length(sum)))
+            << x << " " << y;
+      }
+    }
+  }
 }
 
 TEST_F(RelightTest, ColourGainNameAndMuteShadeNothing) {
@@ -224,6 +275,19 @@ TEST(Film, ReplacesByZeroAndCounts) {
              {std::numeric_limits<float>::infinity(), 5, -std::numeric_limits<float>::infinity()});
   EXPECT_EQ(film.replaced(), 3u);
   EXPECT_EQ(image.pixels, (std::vector<float>{1, 0, 3, 0, 5, 0}));
+}
+
+TEST(Film, RowsAreCheckedLikePixels) {
+  const float nan = std::nanf("");
+  Image image(6, 2);
+  Film film(image);
+  film.write_row(1, 0, 2, std::vector<float>{1, 2, 3, 4, nan, 6}.data());
+  film.write_row_rgbx(0, 1, 3, std::vector<float>{1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0}.data());
+  film.write_row_rgbx(4, 1, 2, std::vector<float>{1, -INFINITY, 3, 0, 4, 5, 6, 0}.data());
+  EXPECT_EQ(film.replaced(), 2u);
+  EXPECT_EQ(image.pixels,
+            (std::vector<float>{0, 0, 0, 1, 2, 3, 4, 0, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0,  //
+                                1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0, 1, 0, 3, 4, 5, 6}));
 }
 
 TEST_F(RelightTest, BlackLightsAndBlackRecordsAreBlack) {
