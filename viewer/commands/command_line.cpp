@@ -164,11 +164,15 @@ void add_compare(CLI::App& app, Parsed& p) {
 void add_bench(CLI::App& app, Parsed& p) {
   CLI::App& sub = add_command(
       app, p, "bench", "Time the stages, each beside its floor measured in the same run",
-      "  relume bench hair --records 8 --json", [&p] { return run_bench(p.bench, p.common); });
+      "  relume bench hair --records 8 --json\n  relume bench hair.relume --frames",
+      [&p] { return run_bench(p.bench, p.common); });
   sub.add_option("scene", p.bench.scene, "scene label, file or cache")->capture_default_str();
   sub.add_option("--repeats", p.bench.repeats, "runs of each, the least counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  sub.add_flag("--frames", p.bench.frames_only, "time relighting alone, without shadows");
+  sub.add_option("--port-cycles", p.bench.port_cycles,
+                 "cycles of the kernels from tests/bench/port_cycles.py");
   add_prepare(sub, p.bench.prepare);
 }
 

@@ -83,6 +83,8 @@ struct CompareOptions {
 struct BenchOptions {
   std::string scene = "hair";
   int repeats = 5;
+  bool frames_only = false;  ///< no preprocess, no shadows: a cache needs no scene then
+  std::optional<std::filesystem::path> port_cycles;  ///< see PortCycles
   PrepareOptions prepare;
 };
 
