@@ -2,18 +2,18 @@
 
 namespace relume {
 
-ShadeBlocks block_kernel(InstructionSet set) {
+BlockKernels block_kernels(InstructionSet set) {
   switch (set) {
 #if defined(RELUME_X86_KERNELS)
     case InstructionSet::avx512:
-      return avx512::shade_blocks;
+      return avx512::make_block_kernels();
     case InstructionSet::avx2:
-      return avx2::shade_blocks;
+      return avx2::make_block_kernels();
     case InstructionSet::sse42:
-      return sse42::shade_blocks;
+      return sse42::make_block_kernels();
 #endif
     default:
-      return scalar::shade_blocks;
+      return scalar::make_block_kernels();
   }
 }
 

@@ -4,6 +4,7 @@
 // RELUME_ISA. Pure functions on flat arrays; no std:: or glm:: calls (see core/simd/pack.h).
 
 #include "core/relight/kernel.h"
+#include "core/samples/record_decode.h"
 #include "core/shade/incident.h"
 #include "core/shade/shader_list.h"
 #include "core/simd/pack.h"
@@ -27,18 +28,37 @@ V respond(const Load& field, V wi, V wo, F scale) {
   return sum;
 }
 
-/// Floats per sample vector.
-template <class Shader>
-constexpr int vector_width() {
-  int width = 0;
-  for (const SampleField& field : Shader::fields) width += field.width;
-  return width;
-}
+template <class Shader, CacheFormat format>
+inline constexpr RecordLayout layout_of = make_record_layout(Shader::fields, format);
+
+/// A pack of records, decoded.
+template <class Shader, CacheFormat format>
+struct Record {
+  static constexpr const RecordLayout& layout = layout_of<Shader, format>;
+  F weight;  ///< 1 in packed formats, whose colours hold it
+  F values[layout.width];
+
+  [[gnu::always_inline]] Record(const uint32_t* words, const DecodeFrame& frame) : weight(1) {
+    if constexpr (format == CacheFormat::exact) weight = from_bits<native_width>(load_word(words));
+    decode_fields<0>(words, frame);
+  }
+
+ private:
+  template <int i>
+  [[gnu::always_inline]] void decode_fields(const uint32_t* words, const DecodeFrame& frame) {
+    if constexpr (i < layout.field_count) {
+      constexpr PackedField field = layout.fields[i];
+      decode_field(field, words, frame, values + field.first);
+      decode_fields<i + 1>(words, frame);
+    }
+  }
+};
 
 /// One slot of some block.
 struct Slot {
-  const float* data;
-  const float* visibility;  ///< 16 values, or null when every record is visible
+  const uint32_t* words;
+  const float* frame;       ///< of packed formats
+  const float* visibility;  ///< 16 values
   float* rgb;               ///< its block's sums: 3 x 16 floats a light
 };
 
@@ -55,19 +75,18 @@ struct SlotList {
 /// What slots are shaded with.
 template <int count>
 struct Illumination {
-  V eye;
+  ViewPack view;
   LightPack lights[count];
 };
 
-/// What one pack of records sends to the eye under each light. A record is loaded once for all.
-template <class Shader, LightKernel kind, bool shadowed, int count>
-void shade_pack(const float* record, const float* visibility, const Illumination<count>& by,
-                V* radiance) {
-  const auto field = [record](int i) { return F::load(record + (1 + i) * lanes); };
+/// What one pack of records sends to the eye under each light. A record is decoded once for all.
+template <class Shader, CacheFormat format, LightKernel kind, int count>
+void shade_pack(const Slot& slot, int lane, const Illumination<count>& by, V* radiance) {
+  const Record<Shader, format> record(slot.words + lane, {slot.frame, 0, by.view});
+  const auto field = [&record](int i) { return record.values[i]; };
   const V p{field(0), field(1), field(2)};
-  const V wo = direction_to(by.eye, p);
-  F weight = F::load(record);
-  if constexpr (shadowed) weight = weight * F::load(visibility);
+  const V wo = direction_to(by.view.eye, p);
+  const F weight = record.weight * F::load(slot.visibility + lane);
 #pragma GCC unroll 4
   for (int i = 0; i < count; ++i) {
     const Incident in = incident<kind>(by.lights[i], p);
@@ -110,26 +129,25 @@ void prefetch_next(uintptr_t& ahead) {
 
 /// Shades slots of one shader under `count` lights. A lane's sum goes in the list's order.
 /// Flattened: the loop body is one straight piece of code, whose chains overlap.
-template <class Shader, LightKernel kind, bool shadowed, int count>
-[[gnu::flatten]] void shade_slots(const SlotList& list, const float* eye,
+template <class Shader, CacheFormat format, LightKernel kind, int count>
+[[gnu::flatten]] void shade_slots(const SlotList& list, const ViewAxes& axes,
                                   const KernelLight* lights) {
   constexpr int packs = packs_together(count);
   constexpr int parts = lanes / native_width < packs ? lanes / native_width : packs;
   constexpr int slots = packs / parts;
-  Illumination<count> by{{F(eye[0]), F(eye[1]), F(eye[2])}, {}};
+  Illumination<count> by{broadcast(axes), {}};
 #pragma GCC unroll 4
   for (int i = 0; i < count; ++i) by.lights[i] = broadcast(lights[i]);
   uintptr_t ahead = list.ahead;
   for (int first = 0; first < list.count; first += slots) {
-    prefetch_next<slots*(1 + vector_width<Shader>()) * lanes* int{sizeof(float)}>(ahead);
+    constexpr int slot_bytes = layout_of<Shader, format>.words * lanes * int{sizeof(uint32_t)};
+    prefetch_next<slots * slot_bytes>(ahead);
     for (int lane = 0; lane < lanes; lane += parts * native_width) {
       V radiance[packs][count];
 #pragma GCC unroll 8
       for (int pack = 0; pack < packs; ++pack) {
-        const Slot& slot = list.slots[first + pack / parts];
-        const int offset = lane + pack % parts * native_width;
-        shade_pack<Shader, kind, shadowed>(
-            slot.data + offset, shadowed ? slot.visibility + offset : nullptr, by, radiance[pack]);
+        shade_pack<Shader, format, kind>(list.slots[first + pack / parts],
+                                         lane + pack % parts * native_width, by, radiance[pack]);
       }
 #pragma GCC unroll 8
       for (int pack = 0; pack < packs; ++pack) {
@@ -140,40 +158,76 @@ template <class Shader, LightKernel kind, bool shadowed, int count>
   }
 }
 
-using ShadeSlots = void (*)(const SlotList&, const float* eye, const KernelLight*);
+using ShadeSlots = void (*)(const SlotList&, const ViewAxes&, const KernelLight*);
 
-/// Kernels of one shader and light kind.
+/// Kernels of one shader, format and light kind.
 struct ShaderKernels {
-  ShadeSlots shadowed;
   ShadeSlots one;
   ShadeSlots two;
   ShadeSlots four;
-  int slot_floats;
+  int slot_words;
 };
 
-template <class Shader, LightKernel kind>
+template <class Shader, CacheFormat format, LightKernel kind>
 constexpr ShaderKernels kernels_of() {
-  return {shade_slots<Shader, kind, true, 1>, shade_slots<Shader, kind, false, 1>,
-          shade_slots<Shader, kind, false, 2>, shade_slots<Shader, kind, false, 4>,
-          (1 + vector_width<Shader>()) * lanes};
+  return {shade_slots<Shader, format, kind, 1>, shade_slots<Shader, format, kind, 2>,
+          shade_slots<Shader, format, kind, 4>, layout_of<Shader, format>.words * lanes};
+}
+
+/// Writes one type's slots as floats, see BlockKernels::decode_slots.
+template <class Shader, CacheFormat format>
+void decode_slots_of(const EncodedSlots& slots, float* out) {
+  constexpr const RecordLayout& layout = layout_of<Shader, format>;
+  const ViewPack view = broadcast(*slots.axes);
+  for (int slot = 0; slot < slots.count; ++slot) {
+    const uint32_t* words = slots.words + slot * layout.words * lanes;
+    for (int lane = 0; lane < lanes; lane += native_width) {
+      const Record<Shader, format> record(words + lane, {slots.frame, slots.bias, view});
+      F weight = record.weight;
+      if constexpr (format != CacheFormat::exact) {
+        F brightest(0);
+        for (const int color : Shader::colors) {
+          for (int i = 0; i < 3; ++i) brightest = max(record.values[color + i], brightest);
+        }
+        weight = select(brightest > F(0), F(1), F(0));
+      }
+      weight.store(out + lane);
+      for (int i = 0; i < layout.width; ++i) record.values[i].store(out + (1 + i) * lanes + lane);
+    }
+    out += (1 + layout.width) * lanes;
+  }
 }
 
 struct ShaderTable {
   ShaderKernels by_kind[static_cast<int>(LightKernel::count)];
+  void (*decode)(const EncodedSlots&, float*);
 };
 
-template <class Shader>
+template <class Shader, CacheFormat format>
 constexpr ShaderTable table_of() {
   using K = LightKernel;
-  return {{kernels_of<Shader, K::point>(), kernels_of<Shader, K::point_constant>(),
-           kernels_of<Shader, K::spot>(), kernels_of<Shader, K::spot_constant>(),
-           kernels_of<Shader, K::directional>()}};
+  return {{kernels_of<Shader, format, K::point>(), kernels_of<Shader, format, K::point_constant>(),
+           kernels_of<Shader, format, K::spot>(), kernels_of<Shader, format, K::spot_constant>(),
+           kernels_of<Shader, format, K::directional>()},
+          decode_slots_of<Shader, format>};
 }
 
-template <class... Shaders>
-const ShaderTable* kernel_table(ShaderList<Shaders...>) {
-  static constexpr ShaderTable table[] = {table_of<Shaders>()...};
+template <CacheFormat format, class... Shaders>
+const ShaderTable* format_table(ShaderList<Shaders...>) {
+  static constexpr ShaderTable table[] = {table_of<Shaders, format>()...};
   return table;
+}
+
+inline const ShaderTable* kernel_table(CacheFormat format) {
+  switch (format) {
+    case CacheFormat::standard:
+      return format_table<CacheFormat::standard>(AllShaders{});
+    case CacheFormat::compact:
+      return format_table<CacheFormat::compact>(AllShaders{});
+    case CacheFormat::exact:
+      break;
+  }
+  return format_table<CacheFormat::exact>(AllShaders{});
 }
 
 /// Shades slots of one type under all lights, in passes of four, two and one.
@@ -187,44 +241,44 @@ inline void shade_list(const ShaderKernels& kernels, SlotList& list, const Kerne
   for (int done = 0; done < tile.light_count;) {
     const int left = tile.light_count - done;
     const int now = left >= 4 ? 4 : left >= 2 ? 2 : 1;
-    const ShadeSlots shade = list.slots[0].visibility != nullptr ? kernels.shadowed
-                             : now == 4                          ? kernels.four
-                             : now == 2                          ? kernels.two
-                                                                 : kernels.one;
-    shade(list, tile.eye, tile.lights + done);
+    const ShadeSlots shade = now == 4 ? kernels.four : now == 2 ? kernels.two : kernels.one;
+    shade(list, *tile.axes, tile.lights + done);
     done += now;
     for (int i = 0; i < list.count; ++i) list.slots[i].rgb += 3 * lanes * now;
   }
-  list.ahead += static_cast<uintptr_t>(list.count) * kernels.slot_floats * sizeof(float);
+  list.ahead += static_cast<uintptr_t>(list.count) * kernels.slot_words * sizeof(uint32_t);
   list.count = 0;
 }
 
 /// Where the next type of a block starts.
 struct BlockCursor {
-  const float* data;
+  const uint32_t* words;
   const float* visibility;
 };
 
 void shade_blocks(const KernelTile& tile) {
-  const ShaderTable* const table = kernel_table(AllShaders{});
+  const ShaderTable* const table = kernel_table(tile.format);
   constexpr int block_floats = max_kernel_lights * 3 * lanes;
   alignas(64) float rgb[max_kernel_blocks][block_floats];
   alignas(64) float unread[block_floats] = {};
+  alignas(64) static constexpr float all_visible[lanes] = {1, 1, 1, 1, 1, 1, 1, 1,
+                                                           1, 1, 1, 1, 1, 1, 1, 1};
   BlockCursor cursors[max_kernel_blocks];
   for (int b = 0; b < tile.block_count; ++b) {
-    cursors[b] = {tile.blocks[b].data, tile.blocks[b].visibility};
+    cursors[b] = {tile.blocks[b].words, tile.blocks[b].visibility};
     for (int i = 0; i < tile.light_count * 3 * lanes; ++i) rgb[b][i] = 0;
   }
   const int kind = static_cast<int>(tile.lights[0].kind);
   SlotList list;
-  list.ahead = reinterpret_cast<uintptr_t>(tile.blocks[0].data) + prefetch_bytes;
+  list.ahead = reinterpret_cast<uintptr_t>(tile.blocks[0].words) + prefetch_bytes;
   for (int type = 0; type < tile.type_count; ++type) {
     const ShaderKernels& kernels = table[tile.shaders[type]].by_kind[kind];
     for (int b = 0; b < tile.block_count; ++b) {
       BlockCursor& at = cursors[b];
       for (int slot = 0; slot < tile.blocks[b].slots[type]; ++slot) {
-        list.slots[list.count++] = {at.data, at.visibility, rgb[b]};
-        at.data += kernels.slot_floats;
+        list.slots[list.count++] = {at.words, tile.blocks[b].frame,
+                                    at.visibility != nullptr ? at.visibility : all_visible, rgb[b]};
+        at.words += kernels.slot_words;
         if (at.visibility != nullptr) at.visibility += lanes;
         if (list.count == SlotList::capacity) shade_list(kernels, list, tile, unread);
       }
@@ -237,6 +291,12 @@ void shade_blocks(const KernelTile& tile) {
                    tile.rgbx[i]);
     }
   }
+}
+
+BlockKernels make_block_kernels() {
+  return {shade_blocks, [](const EncodedSlots& slots, float* out) {
+            kernel_table(slots.format)[slots.shader].decode(slots, out);
+          }};
 }
 
 }  // namespace relume::RELUME_ISA

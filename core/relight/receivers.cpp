@@ -28,19 +28,18 @@ Receivers make_receivers(const SampleType& type, int normal, const float* slot) 
 
 }  // namespace
 
-void query_block(const CacheInfo& info, const PackedBlock& block, const VisibilitySource& source,
-                 std::vector<float>& visibility) {
+void query_block(const CacheInfo& info, const PackedBlock& block, const float* records,
+                 const VisibilitySource& source, std::vector<float>& visibility) {
   size_t slots = 0;
   for (size_t t = 0; t < info.types.size(); ++t) slots += block.slots[t];
   visibility.resize(slots * block_lanes);
-  const float* data = block.data;
   float* out = visibility.data();
   for (size_t t = 0; t < info.types.size(); ++t) {
     const SampleType& type = info.types[t];
     const int normal = normal_offset(type);
     for (int slot = 0; slot < block.slots[t]; ++slot) {
-      source.visibility(make_receivers(type, normal, data), out);
-      data += (1 + type.width) * block_lanes;
+      source.visibility(make_receivers(type, normal, records), out);
+      records += (1 + type.width) * block_lanes;
       out += block_lanes;
     }
   }

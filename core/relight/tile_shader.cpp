@@ -2,32 +2,24 @@
 
 #include "core/base/check.h"
 #include "core/relight/receivers.h"
-#include "core/shade/shaders.h"
 
 namespace relume {
 
 TileShader::TileShader(const RelightCache& cache, InstructionSet set)
-    : cache_(cache), shade_blocks_(block_kernel(choose_instruction_set(set))) {
-  const auto table = shader_table();
-  for (const SampleType& type : cache.info().types) {
-    const auto found = std::find(table.begin(), table.end(), type.shader);
-    CHECK(found != table.end());
-    shaders_.push_back(static_cast<int>(found - table.begin()));
-  }
-}
+    : cache_(cache), decoder_(cache, set), kernels_(block_kernels(choose_instruction_set(set))) {}
 
 void TileShader::shade(const PackedTile& tile, std::span<const KernelLight> lights,
                        const VisibilitySource* shadows, TileScratch& scratch) const {
   CHECK_MSG(!lights.empty() && lights.size() <= max_kernel_lights, "{} lights", lights.size());
   CHECK_MSG(shadows == nullptr || lights.size() == 1, "{} lights", lights.size());
   const CacheInfo& info = cache_.info();
-  const vec3 eye = info.camera.eye;
   KernelBlock blocks[max_kernel_blocks];
   KernelTile kernel{blocks,
                     0,
-                    shaders_.data(),
-                    static_cast<int>(shaders_.size()),
-                    {eye.x, eye.y, eye.z},
+                    info.format,
+                    decoder_.shaders().data(),
+                    static_cast<int>(info.types.size()),
+                    &cache_.view_axes(),
                     lights.data(),
                     static_cast<int>(lights.size()),
                     {}};
@@ -39,12 +31,13 @@ void TileShader::shade(const PackedTile& tile, std::span<const KernelLight> ligh
     kernel.block_count = std::min(max_kernel_blocks, tile.block_count - first);
     for (int i = 0; i < kernel.block_count; ++i) {
       const PackedBlock block = cache_.block(tile, first + i);
-      blocks[i] = {block.data, block.slots, nullptr, block.pixels, block.lanes};
+      blocks[i] = {block.words, block.frame, block.slots, nullptr, block.pixels, block.lanes};
       if (shadows == nullptr) continue;
-      query_block(info, block, *shadows, scratch.visibility[i]);
+      const float* records = decoder_.floats(block, scratch.decoded);
+      query_block(info, block, records, *shadows, scratch.visibility[i]);
       blocks[i].visibility = scratch.visibility[i].data();
     }
-    shade_blocks_(kernel);
+    kernels_.shade_blocks(kernel);
   }
 }
 

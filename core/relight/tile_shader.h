@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/relight/kernel.h"
+#include "core/relight/block_decoder.h"
 #include "core/relight/visibility.h"
 #include "core/samples/relight_cache.h"
 #include "core/samples/sample_tile.h"
@@ -16,6 +16,7 @@ struct TileScratch {
   /// and 0. Pixels without records are 0.
   alignas(64) float rgbx[max_kernel_lights][tile_size * tile_size * 4];
   std::vector<float> visibility[max_kernel_blocks];
+  std::vector<float> decoded;
 };
 
 /// Shades the tiles of a cache. Thread-safe; a pixel's sum does not depend on the other lights.
@@ -32,8 +33,8 @@ class TileShader {
 
  private:
   const RelightCache& cache_;
-  std::vector<int> shaders_;  ///< per type: index into the shader list
-  ShadeBlocks shade_blocks_;
+  BlockDecoder decoder_;
+  BlockKernels kernels_;
 };
 
 }  // namespace relume

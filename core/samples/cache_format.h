@@ -9,16 +9,16 @@
 
 namespace relume {
 
-// The .relume file, version 2, little-endian (docs/cache-format.md):
+// The .relume file, version 3, little-endian (docs/cache-format.md):
 //   CacheHeader | tile chunks, each 64-byte aligned | info | TileEntry[tile_count]
 // The tiles are those of the image, row by row, and their chunks follow each other in that order.
-// A tile chunk: data (floats, see PackedBlock), block headers, coverage bytes; where the info says
-// so, pad to 4 and one float a pixel of predicted error.
-// A block header: u32 first float of the block's data | u8 lanes | u8 pixels[16] | pad to 24 |
-// u16 slots[type_count] | pad to 8.
+// A tile chunk: data (words of 4 bytes, see PackedBlock), block headers, coverage bytes; where the
+// info says so, pad to 4 and one float a pixel of predicted error. A block header: u32 first word
+// of the block's data | u8 lanes | u8 pixels[16] | pad to 24 | u16 slots[type_count] | packed
+// formats: pad to 4, float frame[6], float bias[type_count] | pad to 8.
 
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
-inline constexpr uint32_t cache_version = 2;
+inline constexpr uint32_t cache_version = 3;
 inline constexpr uint32_t cache_endian_mark = 0x01020304;
 inline constexpr int max_slots = 4096;  ///< of one type in one block: samples a pixel
 
@@ -42,18 +42,24 @@ struct TileEntry {
   uint16_t height = 0;
   uint32_t block_count = 0;
   uint32_t reserved = 0;
-  uint64_t offset = 0;       ///< of the chunk in the file, a multiple of 64
-  uint64_t data_floats = 0;  ///< then the block headers start
-  uint64_t size = 0;         ///< bytes of the chunk
-  uint64_t hash = 0;         ///< XXH3 of the chunk
+  uint64_t offset = 0;      ///< of the chunk in the file, a multiple of 64
+  uint64_t data_words = 0;  ///< then the block headers start
+  uint64_t size = 0;        ///< bytes of the chunk
+  uint64_t hash = 0;        ///< XXH3 of the chunk
 };
 static_assert(sizeof(TileEntry) == 48);
 
 inline constexpr size_t block_slots_offset = 24;
 
+/// Where a packed format's frame is in a block header.
+constexpr size_t block_frame_offset(size_t type_count) {
+  return (block_slots_offset + 2 * type_count + 3) / 4 * 4;
+}
+
 /// Bytes of one block header.
-constexpr size_t block_stride(size_t type_count) {
-  return (block_slots_offset + 2 * type_count + 7) / 8 * 8;
+constexpr size_t block_stride(size_t type_count, CacheFormat format) {
+  const size_t floats = format == CacheFormat::exact ? 0 : block_frame_floats + type_count;
+  return (block_frame_offset(type_count) + floats * sizeof(float) + 7) / 8 * 8;
 }
 
 /// Bytes of the coverage of `pixels` pixels, padded so that floats may follow.

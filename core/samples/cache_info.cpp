@@ -100,6 +100,7 @@ void visit_plain(Archive& archive, InfoRef& info) {
   archive.value(info.camera.fov_y_deg);
   archive.value(info.bounds.low);
   archive.value(info.bounds.high);
+  visit_byte(archive, info.format, static_cast<uint8_t>(cache_format_labels.size()));
   archive.text(info.method);
   archive.value(info.records);
   archive.value(info.spp);

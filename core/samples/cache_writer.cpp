@@ -52,11 +52,15 @@ void CacheWriter::overwrite_header(const CacheHeader& header) {
 
 void CacheWriter::add(const PackedTileData& tile) {
   std::vector<std::byte> chunk;
-  append_to(chunk, std::as_bytes(std::span(tile.data)));
+  append_to(chunk, std::as_bytes(std::span(tile.words)));
   append_to(chunk, tile.blocks);
   append_to(chunk, std::as_bytes(std::span(tile.coverage)));
   const bool has_error = !tile.predicted_error.empty();
-  if (directory_.empty()) has_predicted_error_ = has_error;
+  if (directory_.empty()) {
+    format_ = tile.format;
+    has_predicted_error_ = has_error;
+  }
+  CHECK_MSG(tile.format == format_, "tile at {} {}", tile.x0, tile.y0);
   CHECK_MSG(has_error == has_predicted_error_, "tile at {} {}", tile.x0, tile.y0);
   if (has_error) {
     CHECK_MSG(tile.predicted_error.size() == tile.coverage.size(), "{} {}",
@@ -73,7 +77,7 @@ void CacheWriter::add(const PackedTileData& tile) {
   entry.height = static_cast<uint16_t>(tile.height);
   entry.block_count = tile.block_count;
   entry.offset = size_;
-  entry.data_floats = tile.data.size();
+  entry.data_words = tile.words.size();
   entry.size = chunk.size();
   entry.hash = hash_bytes(chunk);
   directory_.push_back(entry);
@@ -83,6 +87,7 @@ void CacheWriter::add(const PackedTileData& tile) {
 
 void CacheWriter::finish(CacheInfo info) {
   info.record_count = record_count_;
+  info.format = format_;
   info.has_predicted_error = has_predicted_error_;
   CacheHeader header;
   const std::vector<std::byte> encoded = encode_info(info);

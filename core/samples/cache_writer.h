@@ -17,10 +17,10 @@ class CacheWriter {
   /// Into `path`. Throws Error(output).
   explicit CacheWriter(const std::filesystem::path& path);
 
-  /// All tiles carry a predicted error or none does.
+  /// All tiles have one format, and carry a predicted error or none does.
   void add(const PackedTileData& tile);
 
-  /// Writes info and directory. Counts of samples come in with `info`; record_count and
+  /// Writes info and directory. Counts of samples come in with `info`; record_count, format and
   /// has_predicted_error follow from the tiles.
   /// File: renames it into place. Memory: take the result with take_bytes().
   void finish(CacheInfo info);
@@ -34,6 +34,7 @@ class CacheWriter {
   CacheBytes memory_;
   uint64_t size_ = 0;
   uint64_t record_count_ = 0;
+  CacheFormat format_ = CacheFormat::exact;
   bool has_predicted_error_ = false;
   std::vector<TileEntry> directory_;
 };

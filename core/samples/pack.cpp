@@ -5,6 +5,7 @@
 
 #include "core/base/check.h"
 #include "core/samples/cache_format.h"
+#include "core/samples/record_encode.h"
 
 namespace relume {
 namespace {
@@ -32,19 +33,67 @@ std::vector<int> sorted_pixels(const SampleTile& tile) {
   return pixels;
 }
 
-/// Writes one slot: record `slot` of each lane's pixel; lanes without one get weight 0 and the
-/// values of the first lane that has one.
-void pack_slot(const TypedRows& rows, std::span<const int> lanes, uint32_t slot, int width,
-               float* out) {
+/// Writes one slot of the exact format: record `slot` of each lane's pixel; lanes without one get
+/// weight 0 and the values of the first lane that has one.
+void pack_exact_slot(const TypedRows& rows, std::span<const int> lanes, uint32_t slot, int width,
+                     uint32_t* out) {
   size_t filler = 0;
   while (rows_of(rows, lanes[filler]) <= slot) ++filler;
   for (size_t lane = 0; lane < block_lanes; ++lane) {
     const bool present = lane < lanes.size() && rows_of(rows, lanes[lane]) > slot;
     const size_t row = size_t{rows.first[lanes[present ? lane : filler]]} + slot;
-    out[lane] = present ? rows.weights[row] : 0.0f;
+    out[lane] = std::bit_cast<uint32_t>(present ? rows.weights[row] : 0.0f);
     const float* values = &rows.values[row * width];
-    for (int i = 0; i < width; ++i) out[(1 + i) * block_lanes + lane] = values[i];
+    for (int i = 0; i < width; ++i) {
+      out[(1 + i) * block_lanes + lane] = std::bit_cast<uint32_t>(values[i]);
+    }
   }
+}
+
+/// The same in a packed format.
+void pack_slot(const RecordLayout& layout, const TypedRows& rows, std::span<const int> lanes,
+               uint32_t slot, const BlockFrame& frame, const ViewAxes& axes, uint32_t* out) {
+  uint32_t words[max_record_words];
+  for (size_t lane = 0; lane < lanes.size(); ++lane) {
+    if (rows_of(rows, lanes[lane]) <= slot) continue;
+    const size_t row = size_t{rows.first[lanes[lane]]} + slot;
+    encode_record(layout, &rows.values[row * layout.width], rows.weights[row], frame, axes, words);
+    for (int i = 0; i < layout.words; ++i) out[i * block_lanes + lane] = words[i];
+  }
+}
+
+/// Calls visit(type, sample vector) for each record of a block's pixels.
+template <class Visit>
+void for_each_vector(const SampleTile& tile, std::span<const SampleType> types,
+                     std::span<const int> lanes, const Visit& visit) {
+  for (size_t t = 0; t < types.size(); ++t) {
+    const TypedRows& rows = tile.types[t];
+    for (const int pixel : lanes) {
+      for (uint32_t row = rows.first[pixel]; row < rows.first[pixel + 1]; ++row) {
+        visit(t, &rows.values[size_t{row} * types[t].width]);
+      }
+    }
+  }
+}
+
+/// Writes a packed block's frame and the bias of each type.
+BlockFrame pack_frame(const SampleTile& tile, std::span<const SampleType> types,
+                      std::span<const int> lanes, std::span<const RecordLayout> layouts,
+                      const ViewAxes& axes, std::byte* out) {
+  std::vector<vec3> positions;
+  for_each_vector(tile, types, lanes, [&](size_t, const float* v) {
+    positions.push_back({v[0], v[1], v[2]});
+  });
+  const BlockFrame frame = make_block_frame(axes, positions);
+  std::vector<float> biases(types.size());
+  for_each_vector(tile, types, lanes, [&](size_t t, const float* v) {
+    const float bias =
+        packed_bias(layouts[t], frame, axes, {v[0], v[1], v[2]}, v[types[t].offsets[bias_field]]);
+    biases[t] = std::max(biases[t], bias);
+  });
+  std::memcpy(out, frame.data(), sizeof(frame));
+  std::memcpy(out + sizeof(frame), biases.data(), biases.size() * sizeof(float));
+  return frame;
 }
 
 float pixel_coverage(const SampleTile& tile, int pixel) {
@@ -70,18 +119,29 @@ float stored_error(float error, bool covered) {
 }
 
 void pack_block(const SampleTile& tile, std::span<const SampleType> types,
-                std::span<const int> lanes, PackedTileData& packed) {
-  std::vector<std::byte> header(block_stride(types.size()));
-  const auto first_float = static_cast<uint32_t>(packed.data.size());
-  CHECK(packed.data.size() < uint64_t{1} << 32);
-  std::memcpy(header.data(), &first_float, sizeof(first_float));
+                std::span<const int> lanes, const ViewAxes& axes, PackedTileData& packed) {
+  std::vector<std::byte> header(block_stride(types.size(), packed.format));
+  const auto first_word = static_cast<uint32_t>(packed.words.size());
+  CHECK(packed.words.size() < uint64_t{1} << 32);
+  std::memcpy(header.data(), &first_word, sizeof(first_word));
   header[4] = static_cast<std::byte>(lanes.size());
   for (size_t lane = 0; lane < block_lanes; ++lane) {
     const int pixel = lanes[lane < lanes.size() ? lane : 0];
     header[5 + lane] = static_cast<std::byte>(pixel / tile.width * tile_size + pixel % tile.width);
   }
+  std::vector<RecordLayout> layouts;
+  for (const SampleType& type : types) {
+    layouts.push_back(make_record_layout(type.shader->fields, packed.format));
+  }
+  const bool is_exact = packed.format == CacheFormat::exact;
+  BlockFrame frame{};
+  if (!is_exact) {
+    frame =
+        pack_frame(tile, types, lanes, layouts, axes, &header[block_frame_offset(types.size())]);
+  }
   for (size_t t = 0; t < types.size(); ++t) {
     const TypedRows& rows = tile.types[t];
+    const RecordLayout& layout = layouts[t];
     uint32_t slots = 0;
     for (const int pixel : lanes) {
       slots = std::max(slots, rows_of(rows, pixel));
@@ -89,11 +149,16 @@ void pack_block(const SampleTile& tile, std::span<const SampleType> types,
     }
     const auto stored = static_cast<uint16_t>(slots);
     std::memcpy(&header[block_slots_offset + 2 * t], &stored, sizeof(stored));
-    const size_t slot_floats = size_t(1 + types[t].width) * block_lanes;
-    const size_t start = packed.data.size();
-    packed.data.resize(start + slots * slot_floats);
+    const size_t slot_words = static_cast<size_t>(layout.words) * block_lanes;
+    const size_t start = packed.words.size();
+    packed.words.resize(start + slots * slot_words);
     for (uint32_t slot = 0; slot < slots; ++slot) {
-      pack_slot(rows, lanes, slot, types[t].width, &packed.data[start + slot * slot_floats]);
+      uint32_t* out = &packed.words[start + slot * slot_words];
+      if (is_exact) {
+        pack_exact_slot(rows, lanes, slot, types[t].width, out);
+      } else {
+        pack_slot(layout, rows, lanes, slot, frame, axes, out);
+      }
     }
   }
   packed.blocks.insert(packed.blocks.end(), header.begin(), header.end());
@@ -102,9 +167,12 @@ void pack_block(const SampleTile& tile, std::span<const SampleType> types,
 
 }  // namespace
 
-PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> types) {
+PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> types,
+                         const PackParams& params) {
   CHECK_MSG(records.types.size() == types.size(), "{} {}", records.types.size(), types.size());
   PackedTileData packed;
+  packed.format = params.format;
+  const ViewAxes axes = make_view_axes(params.camera);
   packed.x0 = records.x0;
   packed.y0 = records.y0;
   packed.width = records.width;
@@ -112,7 +180,7 @@ PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> 
   const std::vector<int> pixels = sorted_pixels(records);
   for (size_t i = 0; i < pixels.size(); i += block_lanes) {
     const size_t lanes = std::min<size_t>(block_lanes, pixels.size() - i);
-    pack_block(records, types, std::span(pixels).subspan(i, lanes), packed);
+    pack_block(records, types, std::span(pixels).subspan(i, lanes), axes, packed);
   }
   for (int pixel = 0; pixel < records.pixel_count(); ++pixel) {
     const float coverage = pixel_coverage(records, pixel);

@@ -13,16 +13,23 @@ struct PackedTileData {
   int height = 0;
   uint32_t block_count = 0;
   uint64_t record_count = 0;
-  std::vector<float> data;
+  CacheFormat format = CacheFormat::exact;
+  std::vector<uint32_t> words;         ///< blocks' data
   std::vector<std::byte> blocks;       ///< block_count headers
   std::vector<uint8_t> coverage;       ///< width * height
   std::vector<float> predicted_error;  ///< width * height, 0 where coverage is 0; or empty
+};
+
+struct PackParams {
+  CacheFormat format = CacheFormat::exact;
+  Camera camera;  ///< the cache's; packed formats keep positions as it sees them
 };
 
 /// Packs the records of a tile, one SIMD lane a pixel: pixels are sorted by how many records they
 /// have of each type and cut into blocks of 16, so that lanes of a block stay full; pixels without
 /// records vanish. A predicted error must be >= 0 or NaN; what is not finite becomes the largest
 /// float and is counted, what has no coverage becomes 0. Deterministic.
-PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> types);
+PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> types,
+                         const PackParams& params = {});
 
 }  // namespace relume

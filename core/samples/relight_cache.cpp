@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/samples/cache_format.h"
+#include "core/samples/record_encode.h"
 #include "core/samples/sample_tile.h"
 
 namespace relume {
@@ -54,6 +55,35 @@ CacheHeader read_header(std::span<const std::byte> bytes, const std::string& pla
     corrupt(place, "its index lies outside the file");
   }
   return header;
+}
+
+/// Largest u and v of a packed position: tangents of the widest field of view and more.
+constexpr float max_view_tangent = 1e6f;
+
+/// True for a frame that no code of which gives anything but a finite position and bias.
+bool is_frame(const float* frame, size_t types) {
+  for (int i = 0; i < 3; ++i) {
+    const float low = frame[i];
+    const float extent = frame[3 + i];
+    const float largest = i < 2 ? max_view_tangent : 4 * max_coordinate;
+    const bool ok = is_finite(low) && is_finite(extent) && std::abs(low) <= largest &&
+                    extent >= 0 && extent <= 2 * largest;
+    if (!ok) return false;
+  }
+  return std::all_of(frame + block_frame_floats, frame + block_frame_floats + types,
+                     [](float bias) { return is_finite(bias) && bias >= 0; });
+}
+
+/// True when a lane of a slot holds a record.
+bool is_present(const RecordLayout& layout, const uint32_t* lane) {
+  if (layout.format == CacheFormat::exact) return std::bit_cast<float>(lane[0]) > 0;
+  for (int f = 0; f < layout.field_count; ++f) {
+    const PackedField& field = layout.fields[f];
+    // The exponent of a black colour counts for nothing.
+    const uint32_t color = lane[field.word[0] * block_lanes] & 0x07ffffffu;
+    if (field.codec == Codec::color && color != 0) return true;
+  }
+  return false;
 }
 
 /// An image of value(tile, pixel of the tile), row-major.
@@ -116,10 +146,10 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
   const uint64_t pixels = uint64_t{entry.width} * entry.height;
   const uint64_t pixel_bytes =
       info_.has_predicted_error ? coverage_stride(pixels) + pixels * sizeof(float) : pixels;
-  const size_t stride = block_stride(info_.types.size());
-  if (entry.offset % 64 != 0 || entry.data_floats > entry.size / sizeof(float) ||
+  const size_t stride = block_stride(info_.types.size(), info_.format);
+  if (entry.offset % 64 != 0 || entry.data_words > entry.size / sizeof(uint32_t) ||
       entry.block_count > pixels ||
-      !inside(entry.data_floats * sizeof(float), entry.block_count * stride + pixel_bytes,
+      !inside(entry.data_words * sizeof(uint32_t), entry.block_count * stride + pixel_bytes,
               entry.size)) {
     corrupt(place, "a tile's parts do not fit into it");
   }
@@ -127,8 +157,8 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
   if (hash_bytes({start, entry.size}) != entry.hash) corrupt(place, "a checksum does not match");
   PackedTile tile{entry.x0, entry.y0, entry.width, entry.height,
                   static_cast<int>(entry.block_count)};
-  tile.data = reinterpret_cast<const float*>(start);
-  tile.blocks = start + entry.data_floats * sizeof(float);
+  tile.words = reinterpret_cast<const uint32_t*>(start);
+  tile.blocks = start + entry.data_words * sizeof(uint32_t);
   tile.coverage = reinterpret_cast<const uint8_t*>(tile.blocks + entry.block_count * stride);
   if (info_.has_predicted_error) {
     tile.predicted_error = reinterpret_cast<const float*>(tile.coverage + coverage_stride(pixels));
@@ -140,16 +170,17 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
     }
   }
   for (int b = 0; b < tile.block_count; ++b) {
-    uint32_t first_float = 0;
-    std::memcpy(&first_float, tile.blocks + b * stride, sizeof(first_float));
-    uint64_t floats = 0;
+    uint32_t first_word = 0;
+    std::memcpy(&first_word, tile.blocks + b * stride, sizeof(first_word));
+    uint64_t words = 0;
     const PackedBlock header = block(tile, b);
     for (size_t t = 0; t < info_.types.size(); ++t) {
       if (header.slots[t] > max_slots) corrupt(place, "a block has too many slots");
-      floats += uint64_t{header.slots[t]} * (1 + info_.types[t].width) * block_lanes;
+      words += uint64_t{header.slots[t]} * layouts_[t].words * block_lanes;
     }
-    bool ok = header.lanes >= 1 && header.lanes <= block_lanes &&
-              inside(first_float, floats, entry.data_floats);
+    bool ok = header.lanes >= 1 && header.lanes <= block_lanes && first_word % block_lanes == 0 &&
+              inside(first_word, words, entry.data_words) &&
+              (header.frame == nullptr || is_frame(header.frame, info_.types.size()));
     for (int lane = 0; lane < block_lanes; ++lane) {
       ok = ok && header.pixels[lane] % tile_size < entry.width &&
            header.pixels[lane] / tile_size < entry.height;
@@ -169,6 +200,10 @@ void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::
     corrupt(place, "the index checksum does not match");
   }
   info_ = decode_info(info, shaders, place);
+  view_axes_ = make_view_axes(info_.camera);
+  for (const SampleType& type : info_.types) {
+    layouts_.push_back(make_record_layout(type.shader->fields, info_.format));
+  }
   tiles_.resize(header.tile_count);
   check_order(directory, place);
   parallel_for(header.tile_count, 16, [&](size_t begin, size_t end) {
@@ -179,10 +214,15 @@ void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::
 }
 
 PackedBlock RelightCache::block(const PackedTile& tile, int index) const {
-  const std::byte* header = tile.blocks + index * block_stride(info_.types.size());
-  uint32_t first_float = 0;
-  std::memcpy(&first_float, header, sizeof(first_float));
-  return {tile.data + first_float, reinterpret_cast<const uint16_t*>(header + block_slots_offset),
+  const std::byte* header = tile.blocks + index * block_stride(info_.types.size(), info_.format);
+  uint32_t first_word = 0;
+  std::memcpy(&first_word, header, sizeof(first_word));
+  const size_t types = info_.types.size();
+  const float* frame = info_.format == CacheFormat::exact
+                           ? nullptr
+                           : reinterpret_cast<const float*>(header + block_frame_offset(types));
+  return {tile.words + first_word, frame,
+          reinterpret_cast<const uint16_t*>(header + block_slots_offset),
           reinterpret_cast<const uint8_t*>(header + 5), static_cast<int>(header[4])};
 }
 
@@ -203,16 +243,16 @@ std::vector<float> RelightCache::record_counts() const {
   for (const PackedTile& tile : tiles_) {
     for (int b = 0; b < tile.block_count; ++b) {
       const PackedBlock packed = block(tile, b);
-      const float* weights = packed.data;
+      const uint32_t* words = packed.words;
       for (size_t t = 0; t < info_.types.size(); ++t) {
         for (int slot = 0; slot < packed.slots[t]; ++slot) {
           for (int lane = 0; lane < packed.lanes; ++lane) {
             const int x = tile.x0 + packed.pixels[lane] % tile_size;
             const int y = tile.y0 + packed.pixels[lane] / tile_size;
-            const bool present = weights[lane] > 0;
+            const bool present = is_present(layouts_[t], words + lane);
             counts[static_cast<size_t>(y) * info_.width + x] += present ? 1.0f : 0.0f;
           }
-          weights += size_t(1 + info_.types[t].width) * block_lanes;
+          words += static_cast<size_t>(layouts_[t].words) * block_lanes;
         }
       }
     }

@@ -8,6 +8,7 @@
 
 #include "core/base/file.h"
 #include "core/math/vec.h"
+#include "core/samples/record_layout.h"
 #include "core/samples/sample_type.h"
 
 namespace relume {
@@ -27,7 +28,8 @@ struct CacheInfo {
   int height = 0;  ///< pixels
   Camera camera;
   std::vector<SampleType> types;
-  Bounds bounds;              ///< of the scene, world
+  Bounds bounds;  ///< of the scene, world
+  CacheFormat format = CacheFormat::exact;
   std::string method;         ///< reduction label: "kmeans", "pure", ..., "all" = not reduced
   int records = 0;            ///< k asked for per pixel
   float average_records = 0;  ///< budget asked for: mean records per covered pixel; 0 = none
@@ -49,13 +51,19 @@ struct CacheInfo {
 struct TileEntry;  // core/samples/cache_format.h
 
 /// Sixteen pixels of a tile. For each type t in order it has slots[t] slots; a slot holds, for each
-/// of 16 lanes, one record: 16 weights, then 16 floats for each of the type's `width` components.
-/// Missing records have weight 0 and the values of some record of the same slot (always finite).
+/// of 16 lanes, one record, as the format lays it out (make_record_layout): 16 lanes of the first
+/// word, 16 of the second ... In the exact format those are 16 weights, then 16 floats for each of
+/// the type's `width` components; missing records have weight 0 and the values of some record of
+/// the same slot (always finite). In packed formats missing records have no bit set.
 struct PackedBlock {
-  const float* data;      ///< first slot, 64-byte aligned within the cache
+  const uint32_t* words;  ///< first slot, 64-byte aligned within the cache
+  const float* frame;     ///< of packed formats: block_frame_floats and a bias per type; else null
   const uint16_t* slots;  ///< per type
   const uint8_t* pixels;  ///< per lane: y * tile_size + x within the tile
   int lanes;              ///< lanes in use, 1..16; the others repeat lane 0's pixel with weight 0
+
+  /// The words as floats, in the exact format.
+  const float* floats() const { return reinterpret_cast<const float*>(words); }
 };
 
 /// Read access to one tile of a cache.
@@ -66,7 +74,7 @@ struct PackedTile {
   int height = 0;
   int block_count = 0;
   const std::byte* blocks = nullptr;  ///< block headers, see core/samples/cache_format.h
-  const float* data = nullptr;
+  const uint32_t* words = nullptr;    ///< all blocks' data
   const uint8_t* coverage = nullptr;  ///< per pixel of the tile, row-major: round(255 * coverage)
   /// Per pixel of the tile, row-major: finite, >= 0, 0 where coverage is 0. Null when the cache has
   /// none. See SampleTile::predicted_error.
@@ -87,6 +95,10 @@ class RelightCache {
                                  const std::string& place);
 
   const CacheInfo& info() const { return info_; }
+  /// How records of each type are stored, parallel to info().types.
+  std::span<const RecordLayout> layouts() const { return layouts_; }
+  /// What packed positions are relative to.
+  const ViewAxes& view_axes() const { return view_axes_; }
   std::span<const PackedTile> tiles() const { return tiles_; }
   PackedBlock block(const PackedTile& tile, int index) const;
   /// Bytes of the whole cache, header included.
@@ -109,6 +121,8 @@ class RelightCache {
   CacheBytes memory_;
   std::span<const std::byte> bytes_;
   CacheInfo info_;
+  std::vector<RecordLayout> layouts_;
+  ViewAxes view_axes_;
   std::vector<PackedTile> tiles_;
 };
 

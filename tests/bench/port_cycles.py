@@ -13,6 +13,7 @@ import subprocess
 import sys
 
 SETS = ["scalar", "sse42", "avx2", "avx512"]
+FORMATS = ["exact", "standard", "compact"]
 LABELS = {"sse42": "sse4.2"}
 
 
@@ -84,15 +85,16 @@ def main():
         if not path.exists():
             continue
         for name, code in disassemble(path):
-            kernel = re.search(r"shade_slotsINS_\d+([A-Za-z]+)ELNS_\d+LightKernelE(\d+)ELb0ELi(\d+)E",
-                               name)
+            kernel = re.search(r"shade_slotsINS_\d+([A-Za-z]+)ELNS_\d+CacheFormatE(\d+)"
+                               r"ELNS_\d+LightKernelE(\d+)ELi(\d+)E", name)
             if not kernel or name.endswith(".cold"):
                 continue
-            shader, kind, lights = kernel.groups()
+            shader, cache_format, kind, lights = kernel.groups()
             shader = re.sub(r"(?<=[a-z])(?=[A-Z])", "-", shader).lower()
             loop = hot_loop(code)
             cycles = port_cycles(loop, model_of(isa)) * 16 / records(loop, int(lights))
-            print(LABELS.get(isa, isa), shader, kind, lights, f"{cycles:.1f}")
+            print(LABELS.get(isa, isa), shader, FORMATS[int(cache_format)], kind, lights,
+                  f"{cycles:.1f}")
 
 
 if __name__ == "__main__":

@@ -116,8 +116,8 @@ TEST_F(Cache, HoldsEveryRecordOnceAndPaddingWeighsNothing) {
   std::vector<uint32_t> seen(types_.size(), 0);
   for (int b = 0; b < packed.block_count; ++b) {
     const PackedBlock block = cache.block(packed, b);
-    EXPECT_EQ(reinterpret_cast<uintptr_t>(block.data) % 64, 0u);
-    const float* slot = block.data;
+    EXPECT_EQ(reinterpret_cast<uintptr_t>(block.words) % 64, 0u);
+    const float* slot = block.floats();
     for (size_t t = 0; t < types_.size(); ++t) {
       const TypedRows& rows = tile_.types[t];
       for (int s = 0; s < block.slots[t]; ++s) {

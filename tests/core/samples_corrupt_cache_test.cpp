@@ -57,7 +57,7 @@ void use(const Bytes& bytes) {
       for (size_t t = 0; t < cache.info().types.size(); ++t) {
         floats += static_cast<size_t>(block.slots[t]) * (1 + cache.info().types[t].width) * 16;
       }
-      for (size_t i = 0; i < floats; ++i) sum = sum + block.data[i];
+      for (size_t i = 0; i < floats; ++i) sum = sum + block.floats()[i];
     }
   }
   sum = sum + static_cast<float>(cache.coverage().size());
@@ -130,7 +130,7 @@ TEST(CorruptCache, EveryFlippedByteIsRefused) {
 TEST(CorruptCache, OtherVersionByteOrderAndMagicAreNamed) {
   Bytes bytes = make_valid();
   bytes[8] = std::byte{1};
-  EXPECT_ERROR(use(bytes), ErrorKind::input, "has cache version 1, not 2");
+  EXPECT_ERROR(use(bytes), ErrorKind::input, "has cache version 1, not 3");
   bytes = make_valid();
   bytes[0] = std::byte{'X'};
   EXPECT_ERROR(use(bytes), ErrorKind::input, "not a .relume cache");
@@ -186,10 +186,10 @@ TEST(CorruptCache, ForgedTilesAreRefused) {
       [](TileEntry& e) { e.offset = 64; },  // the first tile's chunk
       [=](TileEntry& e) { e.size = huge; },
       [](TileEntry& e) { e.size = 0; },
-      [=](TileEntry& e) { e.data_floats = huge; },
-      [=](TileEntry& e) { e.data_floats = huge / 4 + 2; },
-      [](TileEntry& e) { e.data_floats += 1; },
-      [](TileEntry& e) { e.data_floats = e.size / 4; },
+      [=](TileEntry& e) { e.data_words = huge; },
+      [=](TileEntry& e) { e.data_words = huge / 4 + 2; },
+      [](TileEntry& e) { e.data_words += 1; },
+      [](TileEntry& e) { e.data_words = e.size / 4; },
   };
   for (size_t i = 0; i < changes.size(); ++i) {
     Bytes forged = make_valid();
@@ -206,8 +206,8 @@ TEST(CorruptCache, ForgedBlocksNeverReadOutside) {
   std::memcpy(&header, valid.data(), sizeof(header));
   TileEntry entry;
   std::memcpy(&entry, &valid[header.directory_offset], sizeof(entry));
-  const size_t begin = entry.offset + entry.data_floats * sizeof(float);
-  const size_t end = begin + entry.block_count * block_stride(all_sample_types().size());
+  const size_t begin = entry.offset + entry.data_words * sizeof(float);
+  const size_t end = begin + entry.block_count * block_stride(all_sample_types().size(), CacheFormat::exact);
   int refused = 0;
   for (size_t i = begin; i < end; ++i) {
     Bytes forged = valid;
@@ -229,8 +229,8 @@ size_t coverage_offset(const Bytes& bytes) {
   std::memcpy(&header, bytes.data(), sizeof(header));
   TileEntry entry;
   std::memcpy(&entry, &bytes[header.directory_offset], sizeof(entry));
-  return entry.offset + entry.data_floats * sizeof(float) +
-         entry.block_count * block_stride(all_sample_types().size());
+  return entry.offset + entry.data_words * sizeof(float) +
+         entry.block_count * block_stride(all_sample_types().size(), CacheFormat::exact);
 }
 
 TEST(CorruptCache, ForgedPredictedErrorsAreRefused) {

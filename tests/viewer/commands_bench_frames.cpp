@@ -47,8 +47,8 @@ TEST(PortCycles, SumOverTheSlotsOfEachType) {
     }
   }
   const auto path = folder.file("ports");
-  std::ofstream(path) << "some model\navx2 lambert 0 4 10\navx2 phong 0 4 100.5\n"
-                         "avx2 kajiya-kay 0 4 1000\navx2 leaf 0 4 20\navx2 leaf 1 4 77\n";
+  std::ofstream(path) << "some model\navx2 lambert exact 0 4 10\navx2 phong exact 0 4 100.5\n"
+                         "avx2 kajiya-kay exact 0 4 1000\navx2 leaf exact 0 4 20\navx2 leaf exact 1 4 77\navx2 leaf compact 0 4 5000\n";
   const PortCycles ports(path);
   EXPECT_EQ(ports.model(), "some model");
   const auto count = [&](size_t t) { return static_cast<double>(slots[t]); };
@@ -63,15 +63,15 @@ TEST(PortCycles, SumOverTheSlotsOfEachType) {
 TEST(PortCycles, AnythingElseIsRefused) {
   const TemporaryFolder folder;
   EXPECT_ERROR(PortCycles(folder.file("none")), ErrorKind::input, "none");
-  std::ofstream(folder.file("bad")) << "model\navx2 lambert zero 4 10\n";
+  std::ofstream(folder.file("bad")) << "model\navx2 lambert exact zero 4 10\n";
   EXPECT_ERROR(PortCycles(folder.file("bad")), ErrorKind::input, "not a list of kernels");
 }
 
 TEST(BenchFrames, RatiosFollowFromTheTimes) {
   const TemporaryFolder folder;
   const auto path = folder.file("ports");
-  std::ofstream(path) << "model\nscalar lambert 0 1 1e12\nscalar phong 0 1 0\n"
-                         "scalar kajiya-kay 0 1 0\nscalar leaf 0 1 0\n";
+  std::ofstream(path) << "model\nscalar lambert exact 0 1 1e12\nscalar phong exact 0 1 0\n"
+                         "scalar kajiya-kay exact 0 1 0\nscalar leaf exact 0 1 0\n";
   const std::vector<FigureRow> rows = bench_frames(make_cache(), 2, 1.25, PortCycles(path), 1);
   int frames = 0;
   for (const FigureRow& row : rows) {

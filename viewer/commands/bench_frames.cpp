@@ -67,7 +67,7 @@ std::vector<PackedTile> choose_hot_tiles(const RelightCache& cache) {
   for (size_t i = 0; i < cache.tiles().size(); ++i) {
     const PackedTile& tile = cache.tiles()[(cache.tiles().size() / 2 + i) % cache.tiles().size()];
     if (tile.block_count == 0) continue;
-    bytes += tile.coverage - reinterpret_cast<const uint8_t*>(tile.data);
+    bytes += tile.coverage - reinterpret_cast<const uint8_t*>(tile.words);
     if (!tiles.empty() && bytes > hot_bytes) break;
     tiles.push_back(tile);
   }

@@ -52,7 +52,7 @@ double read_cache_ms(const RelightCache& cache, int repeats) {
   std::atomic<uint64_t> sink{0};
   return least_ms(repeats, [&] {
     parallel_for(cache.tiles().size(), 8, [&](size_t begin, size_t end) {
-      const auto* first = reinterpret_cast<const uint64_t*>(cache.tiles()[begin].data);
+      const auto* first = reinterpret_cast<const uint64_t*>(cache.tiles()[begin].words);
       const auto* last = reinterpret_cast<const uint64_t*>(cache.tiles()[end - 1].coverage);
       uint64_t sum = 0;
       for (const uint64_t* p = first; p + 8 <= last; p += 8) {
@@ -67,14 +67,15 @@ PortCycles::PortCycles(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::string set;
   std::string shader;
+  std::string format;
   int kind = 0;
   int lights = 0;
   double cycles = 0;
   if (!std::getline(file, model_)) {
     throw input_error(path.string(), "cannot be read", "make it with tests/bench/port_cycles.py");
   }
-  while (file >> set >> shader >> kind >> lights >> cycles) {
-    slot_cycles_[{set, shader, kind, lights}] = cycles;
+  while (file >> set >> shader >> format >> kind >> lights >> cycles) {
+    slot_cycles_[{set, shader, format, kind, lights}] = cycles;
   }
   if (!file.eof()) {
     throw input_error(path.string(), "is not a list of kernels",
@@ -85,10 +86,11 @@ PortCycles::PortCycles(const std::filesystem::path& path) {
 double PortCycles::frame_cycles(const RelightCache& cache, const std::string& instruction_set,
                                 int kind, int lights) const {
   const std::vector<uint64_t> slots = count_slots(cache);
+  const std::string format(label_of(cache_format_labels, cache.info().format));
   double sum = 0;
   for (size_t t = 0; t < slots.size(); ++t) {
     const std::string shader(cache.info().types[t].shader->name);
-    const auto found = slot_cycles_.find({instruction_set, shader, kind, lights});
+    const auto found = slot_cycles_.find({instruction_set, shader, format, kind, lights});
     if (found == slot_cycles_.end()) return std::numeric_limits<double>::quiet_NaN();
     sum += static_cast<double>(slots[t]) * found->second;
   }

@@ -24,7 +24,7 @@ class PortCycles {
  public:
   /// Knows nothing.
   PortCycles() = default;
-  /// Reads lines of "instruction-set shader light-kind lights cycles" after a line that names the
+  /// Reads lines of "instruction-set shader format light-kind lights cycles" after a line that names the
   /// processor models. Throws Error(input).
   explicit PortCycles(const std::filesystem::path& path);
 
@@ -37,7 +37,7 @@ class PortCycles {
 
  private:
   std::string model_ = "no llvm-mca";
-  std::map<std::tuple<std::string, std::string, int, int>, double> slot_cycles_;
+  std::map<std::tuple<std::string, std::string, std::string, int, int>, double> slot_cycles_;
 };
 
 }  // namespace relume

@@ -53,6 +53,8 @@ void add_prepare(CLI::App& app, PrepareOptions& options) {
       ->check(CLI::Range(1e-6, 1.0));
   app.add_flag("--predict-error", options.predict_error,
                "store a map of predicted error (light-fit and budgets always do)");
+  add_label(app, "--format", options.format, cache_format_labels,
+            "how records are stored: 60, 20 or 16 bytes each");
   app.add_option("--training-lights", options.training_lights,
                  "random lights that light metrics are trained on (l)")
       ->check(CLI::Range(1, 4096))

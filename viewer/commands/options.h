@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/image/display_transform.h"
+#include "core/samples/record_layout.h"
 #include "core/simd/instruction_set.h"
 #include "reduction/budget.h"
 #include "reduction/reduction.h"
@@ -31,6 +32,7 @@ struct PrepareOptions {
   std::optional<int> records;  ///< k; default 8, or at most 16 under a budget
   RecordBudget budget;
   bool predict_error = false;
+  CacheFormat format = CacheFormat::exact;
   int training_lights = 200;
   bool train_shadows = false;
   ReductionPreset preset = ReductionPreset::standard;

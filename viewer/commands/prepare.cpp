@@ -24,6 +24,7 @@ int run_prepare(const PrepareCommandOptions& options, const CommonOptions& commo
   print_figures("relume-prepare-1", common,
                 {{{"scene", info.scene_name},
                   {"method", info.method},
+                  {"format", std::string(label_of(cache_format_labels, info.format))},
                   {"records", int64_t{info.records}},
                   {"spp", int64_t{info.spp}},
                   {"width", int64_t{info.width}},

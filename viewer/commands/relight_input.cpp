@@ -50,6 +50,7 @@ bool is_cache_path(const std::string& path) {
 PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOptions& common) {
   PrepareParams params;
   params.spp = options.spp;
+  params.format = options.format;
   params.width = options.width;
   params.height = options.height;
   params.training = {.lights = options.training_lights, .shadows = options.train_shadows};

@@ -18,8 +18,9 @@ struct PrepareParams {
   ReductionParams reduction;
   RecordBudget budget;      ///< when set, reduction.records is the most that a pixel may have
   TrainingParams training;  ///< used by methods that need it
-  int width = 0;            ///< pixels; 0 = the scene's
-  int height = 0;           ///< pixels; 0 = the scene's
+  CacheFormat format = CacheFormat::exact;
+  int width = 0;   ///< pixels; 0 = the scene's
+  int height = 0;  ///< pixels; 0 = the scene's
 };
 
 struct PrepareStats {
