@@ -4,6 +4,7 @@
 // RELUME_ISA. Pure functions on flat arrays; no std:: or glm:: calls (see core/simd/pack.h).
 
 #include "core/relight/kernel.h"
+#include "core/relight/layer_kernel_body.h"
 #include "core/samples/record_decode.h"
 #include "core/shade/incident.h"
 #include "core/shade/shader_list.h"
@@ -11,7 +12,7 @@
 
 namespace relume::RELUME_ISA {
 
-inline constexpr int lanes = 16;  // block_lanes of core/samples/relight_cache.h
+inline constexpr int lanes = block_lanes;
 
 /// Radiance towards wo: the lobes times their colours and `scale`.
 template <class Shader, class Load>
@@ -59,7 +60,7 @@ struct Slot {
   const uint32_t* words;
   const float* frame;       ///< of packed formats
   const float* visibility;  ///< 16 values
-  float* rgb;               ///< its block's sums: 3 x 16 floats a light
+  float* sums;              ///< its block's under the first light
 };
 
 /// Slots of one type. Kernels take them in groups and may shade more than `count`, up to a full
@@ -95,12 +96,12 @@ void shade_pack(const Slot& slot, int lane, const Illumination<count>& by, V* ra
 }
 
 template <int count>
-void add_radiance(const V* radiance, float* rgb) {
+void add_radiance(const V* radiance, float* sums) {
 #pragma GCC unroll 4
   for (int i = 0; i < count; ++i) {
-    float* const sums = rgb + 3 * lanes * i;
-    const V sum = load_vec3<native_width>(sums, lanes);
-    store_vec3(V{sum.x + radiance[i].x, sum.y + radiance[i].y, sum.z + radiance[i].z}, sums, lanes);
+    float* const rgb = sums + tile_floats * i;
+    const V sum = load_vec3<native_width>(rgb, lanes);
+    store_vec3(V{sum.x + radiance[i].x, sum.y + radiance[i].y, sum.z + radiance[i].z}, rgb, lanes);
   }
 }
 
@@ -152,7 +153,7 @@ template <class Shader, CacheFormat format, LightKernel kind, int count>
 #pragma GCC unroll 8
       for (int pack = 0; pack < packs; ++pack) {
         const int offset = lane + pack % parts * native_width;
-        add_radiance<count>(radiance[pack], list.slots[first + pack / parts].rgb + offset);
+        add_radiance<count>(radiance[pack], list.slots[first + pack / parts].sums + offset);
       }
     }
   }
@@ -236,7 +237,7 @@ inline void shade_list(const ShaderKernels& kernels, SlotList& list, const Kerne
   if (list.count == 0) return;
   for (int i = list.count; i % SlotList::group != 0; ++i) {
     list.slots[i] = list.slots[i - 1];
-    list.slots[i].rgb = unread;
+    list.slots[i].sums = unread;
   }
   for (int done = 0; done < tile.light_count;) {
     const int left = tile.light_count - done;
@@ -244,7 +245,7 @@ inline void shade_list(const ShaderKernels& kernels, SlotList& list, const Kerne
     const ShadeSlots shade = now == 4 ? kernels.four : now == 2 ? kernels.two : kernels.one;
     shade(list, *tile.axes, tile.lights + done);
     done += now;
-    for (int i = 0; i < list.count; ++i) list.slots[i].rgb += 3 * lanes * now;
+    for (int i = 0; i < list.count; ++i) list.slots[i].sums += tile_floats * now;
   }
   list.ahead += static_cast<uintptr_t>(list.count) * kernels.slot_words * sizeof(uint32_t);
   list.count = 0;
@@ -258,15 +259,16 @@ struct BlockCursor {
 
 void shade_blocks(const KernelTile& tile) {
   const ShaderTable* const table = kernel_table(tile.format);
-  constexpr int block_floats = max_kernel_lights * 3 * lanes;
-  alignas(64) float rgb[max_kernel_blocks][block_floats];
-  alignas(64) float unread[block_floats] = {};
+  alignas(64) float unread[(max_kernel_lights - 1) * tile_floats + block_floats] = {};
   alignas(64) static constexpr float all_visible[lanes] = {1, 1, 1, 1, 1, 1, 1, 1,
                                                            1, 1, 1, 1, 1, 1, 1, 1};
-  BlockCursor cursors[max_kernel_blocks];
+  BlockCursor cursors[max_tile_blocks];
   for (int b = 0; b < tile.block_count; ++b) {
     cursors[b] = {tile.blocks[b].words, tile.blocks[b].visibility};
-    for (int i = 0; i < tile.light_count * 3 * lanes; ++i) rgb[b][i] = 0;
+  }
+  for (int i = 0; i < tile.light_count; ++i) {
+    __builtin_memset(tile.sums + i * tile_floats, 0,
+                     sizeof(float) * block_floats * tile.block_count);
   }
   const int kind = static_cast<int>(tile.lights[0].kind);
   SlotList list;
@@ -277,7 +279,8 @@ void shade_blocks(const KernelTile& tile) {
       BlockCursor& at = cursors[b];
       for (int slot = 0; slot < tile.blocks[b].slots[type]; ++slot) {
         list.slots[list.count++] = {at.words, tile.blocks[b].frame,
-                                    at.visibility != nullptr ? at.visibility : all_visible, rgb[b]};
+                                    at.visibility != nullptr ? at.visibility : all_visible,
+                                    tile.sums + b * block_floats};
         at.words += kernels.slot_words;
         if (at.visibility != nullptr) at.visibility += lanes;
         if (list.count == SlotList::capacity) shade_list(kernels, list, tile, unread);
@@ -285,18 +288,17 @@ void shade_blocks(const KernelTile& tile) {
     }
     shade_list(kernels, list, tile, unread);
   }
-  for (int b = 0; b < tile.block_count; ++b) {
-    for (int i = 0; i < tile.light_count; ++i) {
-      scatter_rgbx(rgb[b] + 3 * lanes * i, tile.blocks[b].pixels, tile.blocks[b].lanes,
-                   tile.rgbx[i]);
-    }
-  }
 }
 
 BlockKernels make_block_kernels() {
-  return {shade_blocks, [](const EncodedSlots& slots, float* out) {
+  return {shade_blocks,
+          [](const EncodedSlots& slots, float* out) {
             kernel_table(slots.format)[slots.shader].decode(slots, out);
-          }};
+          },
+          add_layer,
+          make_finite,
+          stream_layer,
+          finish_streams};
 }
 
 }  // namespace relume::RELUME_ISA

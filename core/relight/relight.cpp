@@ -2,64 +2,52 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <deque>
+#include <algorithm>
+#include <atomic>
 #include <memory>
-#include <utility>
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
-#include "core/relight/film.h"
+#include "core/relight/combine.h"
+#include "core/relight/light_reach.h"
 #include "core/relight/tile_shader.h"
 
 namespace relume {
 namespace {
 
+RareEvent replaced_values("pixel values replaced: not finite");
+
 /// Tiles that a thread takes at a time.
 constexpr size_t tile_grain = 8;
 
-/// A layer that is being shaded.
-struct ChangedLayer {
+/// A light whose layer is shaded.
+struct Job {
   size_t light;  ///< index into the state's lights
   KernelLight kernel_light;
-  Image image;  ///< a layer of the same cache: pixels of tiles without records are 0
+  PixelShare from;  ///< what the layer holds already
 };
 
-/// Weights of a light for a row of a tile, as the frame's floats lie: r g b r g b ...
-using RowWeights = std::array<float, 3 * tile_size>;
-
-/// Layers and what they count for, of the lights that are not black.
-struct Combination {
-  std::vector<const Image*> layers;
-  std::vector<RowWeights> weights;
+/// Jobs that one pass over the records does.
+struct Pass {
+  std::vector<Job> jobs;
+  VisibilitySource* shadows = nullptr;
 };
 
-/// Rows of a tile: frame = sum of weight * layer, in light order. `width` in pixels, or 0 when the
-/// tile tells it: loops of constant length are faster.
-template <int width>
-void combine_rows(const Combination& combination, const PackedTile& tile, Film& film) {
-  const int pixels = width > 0 ? width : tile.width;
-  for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
-    RowWeights sum{};
-    for (size_t i = 0; i < combination.layers.size(); ++i) {
-      const float* row = combination.layers[i]->at(tile.x0, y);
-      const RowWeights& weights = combination.weights[i];
-      for (int j = 0; j < 3 * pixels; ++j) sum[j] += weights[j] * row[j];
-    }
-    film.write_row(tile.x0, y, pixels, sum.data());
-  }
-}
+/// Counts of a pass, summed over threads.
+struct PassCounts {
+  std::atomic<uint64_t> words{0};
+  std::atomic<uint64_t> tiles_missed{0};
+  std::atomic<uint64_t> replaced{0};
+};
 
-void combine_tile(const Combination& combination, const PackedTile& tile, Film& film) {
-  const auto combine = tile.width == tile_size ? combine_rows<tile_size> : combine_rows<0>;
-  combine(combination, tile, film);
-}
-
-void write_tile(const float* rgbx, const PackedTile& tile, Film& film) {
-  for (int y = 0; y < tile.height; ++y) {
-    film.write_row_rgbx(tile.x0, tile.y0 + y, tile.width, rgbx + 4 * tile_size * y);
-  }
+/// Words of a tile's blocks in `range`.
+uint64_t words_of(const RelightCache& cache, const PackedTile& tile, BlockRange range) {
+  const auto end_of = [&](int b) {
+    return b < tile.block_count ? cache.block(tile, b).words
+                                : reinterpret_cast<const uint32_t*>(tile.blocks);
+  };
+  return range.first < range.end ? end_of(range.end) - end_of(range.first) : 0;
 }
 
 /// Asks for what the kernels do not: the block headers.
@@ -68,185 +56,291 @@ void prefetch_headers(const PackedTile& tile) {
   for (const std::byte* line = tile.blocks; line < end; line += 64) __builtin_prefetch(line);
 }
 
-/// Shades tiles under layers, whose films are parallel to them.
-void shade_tile(const TileShader& shader, const PackedTile& tile,
-                std::span<const KernelLight> lights, const VisibilitySource* shadows,
-                std::deque<Film>& films, TileScratch& scratch) {
-  // Lights of one kind lie together.
-  for (size_t first = 0; first < lights.size();) {
-    size_t end = first + 1;
-    while (end < lights.size() && end - first < max_kernel_lights &&
-           lights[end].kind == lights[first].kind) {
-      ++end;
-    }
-    shader.shade(tile, lights.subspan(first, end - first), shadows, scratch);
-    for (size_t i = first; i < end; ++i) write_tile(scratch.rgbx[i - first], tile, films[i]);
-    first = end;
+/// Does passes over a state's tiles.
+class LayerShader {
+ public:
+  LayerShader(RelightState& state, const TileShader& shader, PixelShare share, RelightStats& stats)
+      : state_(state), cache_(*state.cache), shader_(shader), share_(share), stats_(stats) {}
+
+  /// Shades the pass's layers and, unless `combiner` is null, the frame.
+  void run(const Pass& pass, const Combiner* combiner) {
+    const auto tiles = cache_.tiles();
+    PassCounts counts;
+    parallel_for(tiles.size(), pass.shadows != nullptr ? 1 : tile_grain,
+                 [&](size_t begin, size_t end) {
+                   const auto scratch = std::make_unique<TileScratch>();
+                   for (size_t t = begin; t < end; ++t) {
+                     if (t + 1 < tiles.size()) prefetch_headers(tiles[t + 1]);
+                     if (tiles[t].block_count == 0) continue;
+                     shade_tile(pass, t, *scratch, counts);
+                     if (combiner != nullptr) counts.replaced += combiner->combine(t, *scratch);
+                   }
+                   shader_.kernels().finish_streams();
+                 });
+    for (const Job& job : pass.jobs) state_.layers[job.light].share = share_;
+    record(pass, counts);
   }
+
+ private:
+  void record(const Pass& pass, const PassCounts& counts) {
+    uint64_t all_words = 0;
+    for (const PackedTile& tile : cache_.tiles()) {
+      all_words += words_of(cache_, tile, {0, tile.block_count});
+    }
+    const double share =
+        static_cast<double>(counts.words) / static_cast<double>(std::max<uint64_t>(1, all_words));
+    const double records = share * static_cast<double>(cache_.info().record_count);
+    stats_.records_shaded += static_cast<uint64_t>(std::llround(records));
+    stats_.layers_shaded += static_cast<int>(pass.jobs.size());
+    stats_.tiles_missed += counts.tiles_missed;
+    stats_.replaced_values += counts.replaced;
+    replaced_values.add(counts.replaced);
+  }
+
+  /// Fills scratch.lights and scratch.places; a layer whose light misses the tile is dark there.
+  void find_lights(const Pass& pass, size_t t, TileScratch& scratch) {
+    scratch.lights.clear();
+    scratch.places.clear();
+    for (const Job& job : pass.jobs) {
+      const bool lit =
+          !may_miss(job.kernel_light) || can_reach(job.kernel_light, state_.tile_bounds[t]);
+      scratch.places.push_back(scratch.lights.size());
+      if (lit) scratch.lights.push_back(job.kernel_light);
+      state_.layers[job.light].set_lit(t, lit);
+    }
+  }
+
+  void shade_tile(const Pass& pass, size_t t, TileScratch& scratch, PassCounts& counts) {
+    if (pass.jobs.empty()) return;
+    const PackedTile& tile = cache_.tiles()[t];
+    const BlockRange range{cache_.block_count(tile, pass.jobs[0].from),
+                           cache_.block_count(tile, share_)};
+    find_lights(pass, t, scratch);
+    counts.tiles_missed += pass.jobs.size() - scratch.lights.size();
+    if (scratch.lights.empty()) return;
+    counts.words += scratch.lights.size() * words_of(cache_, tile, range);
+    shader_.shade(tile, scratch.lights, pass.shadows, scratch, range);
+    for (size_t j = 0; j < pass.jobs.size(); ++j) {
+      Layer& layer = state_.layers[pass.jobs[j].light];
+      if (!layer.is_lit(t)) continue;
+      float* const sums = scratch.light_sums(scratch.places[j]);
+      float* const stored = layer.tile(state_.layout, t);
+      const size_t first = size_t{block_floats} * range.first;
+      std::copy_n(stored, first, sums);
+      counts.replaced += shader_.kernels().make_finite(range.end - range.first, sums + first);
+      shader_.kernels().stream_layer(sums + first, range.end - range.first, stored + first);
+    }
+  }
+
+  RelightState& state_;
+  const RelightCache& cache_;
+  const TileShader& shader_;
+  PixelShare share_;
+  RelightStats& stats_;
+};
+
+bool same_weight(const Light& a, const Light& b) {
+  return a.weight() == b.weight();
 }
 
-/// One pass over the records of all tiles, for layers that ask the same `shadows`. When
-/// `combination` is given, each tile's part of the frame is summed as soon as its layers are done.
-void shade_layers(const RelightState& state, const TileShader& shader,
-                  std::span<ChangedLayer> changed, const VisibilitySource* shadows,
-                  const Combination* combination, Film& frame, RelightStats& stats) {
-  const auto tiles = state.cache->tiles();
-  std::vector<KernelLight> lights;
-  std::deque<Film> films;
-  for (ChangedLayer& layer : changed) {
-    lights.push_back(layer.kernel_light);
-    films.emplace_back(layer.image);
-  }
-  parallel_for(tiles.size(), shadows != nullptr ? 1 : tile_grain, [&](size_t begin, size_t end) {
-    const auto scratch = std::make_unique_for_overwrite<TileScratch>();
-    for (size_t t = begin; t < end; ++t) {
-      if (t + 1 < tiles.size()) prefetch_headers(tiles[t + 1]);
-      if (tiles[t].block_count == 0) continue;
-      shade_tile(shader, tiles[t], lights, shadows, films, *scratch);
-      if (combination != nullptr) combine_tile(*combination, tiles[t], frame);
-    }
-  });
-  const auto layers = static_cast<int>(changed.size());
-  stats.layers_shaded += layers;
-  stats.records_shaded += state.cache->info().record_count * static_cast<uint64_t>(layers);
-  for (const Film& film : films) stats.replaced_values += film.replaced();
-}
-
-/// Brings state.lights up to date and takes out the layers that no longer hold, so that an
-/// exception on the way leaves no layer of another light. A muted light is not shaded: its layer
-/// waits until it is wanted.
-std::vector<ChangedLayer> take_changed(RelightState& state, std::span<const Light> lights) {
-  const CacheInfo& info = state.cache->info();
-  state.lights.resize(std::min(state.lights.size(), state.layers.size()));
-  const size_t known = state.lights.size();
+/// Brings state.lights up to date and finds the lights whose layers do not hold what is asked for,
+/// which then hold nothing, so that an exception on the way leaves no layer of another light. A
+/// muted light is not shaded: its layer waits until it is wanted. `touched`: the lights that
+/// changed in any way.
+std::vector<Job> take_changed(RelightState& state, std::span<const Light> lights, PixelShare share,
+                              std::vector<size_t>& touched) {
+  const size_t known = std::min(state.lights.size(), lights.size());
+  state.lights.resize(known);
   state.lights.resize(lights.size());
   state.layers.resize(lights.size());
-  std::vector<ChangedLayer> changed;
+  std::vector<Job> jobs;
   for (size_t i = 0; i < lights.size(); ++i) {
-    const bool current =
-        i < known && same_layer(state.lights[i], lights[i]) && state.layers[i].width > 0;
+    Layer& layer = state.layers[i];
+    const bool same = i < known && same_layer(state.lights[i], lights[i]);
+    if (!same) layer.share = PixelShare::none;
+    const bool is_current = layer.share >= share || lights[i].mute;
+    if (!same || !is_current || !same_weight(state.lights[i], lights[i])) touched.push_back(i);
     state.lights[i] = lights[i];
-    if (current) continue;
-    Image image = std::exchange(state.layers[i], Image());
-    if (lights[i].mute) continue;
-    if (image.width == 0) image = Image(info.width, info.height);
-    changed.push_back({i, make_kernel_light(lights[i], info.bounds.radius()), std::move(image)});
+    if (is_current) continue;
+    if (!layer.is_allocated()) layer.allocate(state.layout);
+    jobs.push_back(
+        {i, make_kernel_light(lights[i], state.cache->info().bounds.radius()), layer.share});
+    layer.share = PixelShare::none;
   }
-  return changed;
+  return jobs;
 }
 
-/// Every light's layer, of which some are still in `changed`.
-Combination make_combination(const RelightState& state, std::span<const ChangedLayer> changed) {
-  Combination combination;
-  for (size_t i = 0; i < state.lights.size(); ++i) {
-    const vec3 weight = state.lights[i].weight();
-    if (weight == vec3(0)) continue;
-    const auto found = std::find_if(changed.begin(), changed.end(),
-                                    [i](const ChangedLayer& layer) { return layer.light == i; });
-    combination.layers.push_back(found != changed.end() ? &found->image : &state.layers[i]);
-    RowWeights& row = combination.weights.emplace_back();
-    for (size_t j = 0; j < row.size(); ++j) row[j] = weight[j % 3];
-  }
-  return combination;
-}
-
-void put_back(RelightState& state, std::span<ChangedLayer> changed) {
-  for (ChangedLayer& layer : changed) state.layers[layer.light] = std::move(layer.image);
-}
-
-/// Shades the layers that ask `shadows`, one after the other: it is made ready for one light at a
-/// time.
-void shade_shadowed(RelightState& state, const TileShader& shader, std::span<ChangedLayer> changed,
-                    VisibilitySource& shadows, Film& frame, RelightStats& stats) {
-  for (ChangedLayer& layer : changed) {
-    const Timer prepare_timer;
-    shadows.prepare(state.lights[layer.light]);
-    stats.prepare_ms += prepare_timer.ms();
-    const Timer shade_timer;
-    shade_layers(state, shader, {&layer, 1}, &shadows, nullptr, frame, stats);
-    put_back(state, {&layer, 1});
-    stats.shade_ms += shade_timer.ms();
-  }
-}
-
-/// Shades the other layers in one pass and sums the frame on the way.
-void shade_unshadowed(RelightState& state, const TileShader& shader,
-                      std::span<ChangedLayer> changed, Film& frame, RelightStats& stats) {
-  const Timer timer;
-  std::stable_sort(changed.begin(), changed.end(),
-                   [](const ChangedLayer& a, const ChangedLayer& b) {
-                     return a.kernel_light.kind < b.kernel_light.kind;
-                   });
-  const Combination combination = make_combination(state, changed);
-  shade_layers(state, shader, changed, nullptr, &combination, frame, stats);
-  put_back(state, changed);
-  stats.shade_ms += timer.ms();
-}
-
-void combine_layers(const RelightState& state, Film& frame, RelightStats& stats) {
-  const Timer timer;
-  const Combination combination = make_combination(state, {});
-  const auto tiles = state.cache->tiles();
-  parallel_for(tiles.size(), tile_grain, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t) {
-      if (tiles[t].block_count > 0) combine_tile(combination, tiles[t], frame);
+/// A pass for each light that asks `shadows`, which is made ready for one light at a time, then one
+/// for all others.
+std::vector<Pass> make_passes(const RelightState& state, std::span<const Job> jobs,
+                              VisibilitySource* shadows) {
+  std::vector<Pass> passes;
+  std::vector<Job> unshadowed;
+  for (const Job& job : jobs) {
+    if (shadows != nullptr && state.lights[job.light].casts_shadow) {
+      passes.push_back({{job}, shadows});
+    } else {
+      unshadowed.push_back(job);
     }
+  }
+  std::stable_sort(unshadowed.begin(), unshadowed.end(), [](const Job& a, const Job& b) {
+    return std::pair(a.from, a.kernel_light.kind) < std::pair(b.from, b.kernel_light.kind);
   });
-  stats.combine_ms += timer.ms();
+  for (size_t i = 0; i < unshadowed.size(); ++i) {
+    if (i == 0 || unshadowed[i].from != unshadowed[i - 1].from) passes.push_back({});
+    passes.back().jobs.push_back(unshadowed[i]);
+  }
+  return passes;
+}
+
+/// True when all pixels of a layer are known once `last` is done.
+bool becomes_full(const RelightState& state, const Pass& last, size_t light, PixelShare share) {
+  const bool is_shaded = std::any_of(last.jobs.begin(), last.jobs.end(),
+                                     [light](const Job& job) { return job.light == light; });
+  return (is_shaded ? share : state.layers[light].share) == PixelShare::all;
+}
+
+LayerTerm make_term(const RelightState& state, const Pass& last, size_t light) {
+  LayerTerm term{&state.layers[light], state.lights[light].weight()};
+  for (size_t j = 0; j < last.jobs.size(); ++j) {
+    if (last.jobs[j].light == light) term.shaded = static_cast<int>(j);
+  }
+  return term;
+}
+
+/// Whether the sum of all lights but one should be kept, and of which. `kept`: of which it was.
+std::optional<size_t> choose_dragged(const RelightState& state, std::span<const size_t> touched,
+                                     std::optional<size_t> kept) {
+  const bool holds = kept && std::all_of(touched.begin(), touched.end(),
+                                         [&](size_t light) { return light == kept; });
+  if (holds) return kept;
+  if (touched.size() != 1) return {};
+  size_t others = 0;
+  for (size_t i = 0; i < state.lights.size(); ++i) {
+    if (i == touched[0] || state.lights[i].weight() == vec3(0)) continue;
+    if (state.layers[i].share != PixelShare::all) return {};
+    ++others;
+  }
+  return others >= 2 ? std::optional(touched[0]) : std::nullopt;
+}
+
+/// What the frame is the sum of after the last pass.
+LayerTerms make_terms(RelightState& state, const Pass& last, PixelShare share,
+                      std::optional<size_t> dragged, bool is_kept) {
+  LayerTerms terms;
+  if (is_kept) {
+    terms.full.push_back({&state.others, vec3(1)});
+  } else if (dragged) {
+    if (!state.others.is_allocated()) state.others.allocate(state.layout);
+    terms.keep = &state.others;
+  }
+  for (size_t i = 0; i < state.lights.size(); ++i) {
+    if (state.lights[i].weight() == vec3(0)) continue;
+    if (is_kept && i != dragged) continue;
+    const LayerTerm term = make_term(state, last, i);
+    if (!becomes_full(state, last, i, share)) {
+      terms.coarse.push_back(term);
+      const PixelShare known = term.shaded >= 0 ? share : state.layers[i].share;
+      terms.share = std::min(terms.share, known);
+    } else if (dragged && !is_kept && i != dragged) {
+      terms.kept.push_back(term);
+    } else {
+      terms.full.push_back(term);
+    }
+  }
+  return terms;
 }
 
 }  // namespace
 
 RelightState make_relight_state(const RelightCache& cache) {
-  RelightState state;
-  state.cache = &cache;
-  state.frame = Image(cache.info().width, cache.info().height);
-  return state;
+  return {&cache, {}, Image(cache.info().width, cache.info().height), LayerLayout(cache), {}, {},
+          {},     {}};
 }
 
 RelightStats relight(RelightState& state, std::span<const Light> lights, VisibilitySource* shadows,
                      const RelightParams& params) {
+  CHECK(params.pixels != PixelShare::none);
   for (size_t i = 0; i < lights.size(); ++i) {
     validate_light(lights[i], fmt::format("lights/{} ({})", i, lights[i].name));
   }
   const TileShader shader(*state.cache, params.instruction_set);
+  const bool same_count = state.lights.size() == lights.size();
+  const auto kept = same_count ? state.others_of : std::nullopt;
+  state.others_of.reset();
+  std::vector<size_t> touched;
+  const std::vector<Job> jobs = take_changed(state, lights, params.pixels, touched);
+  const bool any_may_miss = std::any_of(jobs.begin(), jobs.end(),
+                                        [](const Job& job) { return may_miss(job.kernel_light); });
+  if (any_may_miss && state.tile_bounds.empty()) state.tile_bounds = tile_bounds(*state.cache);
+  std::vector<Pass> passes = make_passes(state, jobs, shadows);
+  if (passes.empty()) passes.push_back({});
+
+  const auto dragged = params.dragging ? choose_dragged(state, touched, kept) : std::nullopt;
   RelightStats stats;
-  std::vector<ChangedLayer> changed = take_changed(state, lights);
-  const auto unshadowed =
-      std::stable_partition(changed.begin(), changed.end(), [&](const ChangedLayer& layer) {
-        return shadows != nullptr && state.lights[layer.light].casts_shadow;
-      });
-  Film frame(state.frame);
-  if (unshadowed != changed.begin()) {
-    shade_shadowed(state, shader, {changed.begin(), unshadowed}, *shadows, frame, stats);
+  LayerShader layers(state, shader, params.pixels, stats);
+  for (const Pass& pass : passes) {
+    const Timer prepare_timer;
+    if (pass.shadows != nullptr) pass.shadows->prepare(state.lights[pass.jobs[0].light]);
+    stats.prepare_ms += prepare_timer.ms();
+    const Timer timer;
+    if (&pass != &passes.back()) {
+      layers.run(pass, nullptr);
+    } else {
+      LayerTerms terms =
+          make_terms(state, pass, params.pixels, dragged, dragged && dragged == kept);
+      const Combiner combiner(*state.cache, state.layout, shader.kernels(), std::move(terms),
+                              state.frame);
+      layers.run(pass, &combiner);
+    }
+    (pass.jobs.empty() ? stats.combine_ms : stats.shade_ms) += timer.ms();
   }
-  if (unshadowed != changed.end()) {
-    shade_unshadowed(state, shader, {unshadowed, changed.end()}, frame, stats);
-  } else {
-    combine_layers(state, frame, stats);
-  }
-  stats.replaced_values += frame.replaced();
+  state.others_of = dragged;
   return stats;
 }
 
 void invalidate(RelightState& state) {
-  state.lights.clear();
-  state.layers.clear();
+  state.others_of.reset();
+  for (Layer& layer : state.layers) layer.share = PixelShare::none;
+}
+
+namespace {
+
+Image make_layer_image(const RelightState& state, size_t i, vec3 weight) {
+  CHECK_MSG(i < state.layers.size(), "layer {} of {}", i, state.layers.size());
+  const RelightCache& cache = *state.cache;
+  Image image(state.frame.width, state.frame.height);
+  const Layer& layer = state.layers[i];
+  if (layer.share == PixelShare::none) return image;
+  const BlockKernels kernels = block_kernels(choose_instruction_set(InstructionSet::automatic));
+  const BlockPixels pixels(cache);
+  for (size_t t = 0; t < cache.tiles().size(); ++t) {
+    if (!layer.is_lit(t)) continue;
+    const PackedTile& tile = cache.tiles()[t];
+    const int known = cache.block_count(tile, layer.share);
+    alignas(64) float sums[tile_floats] = {};
+    kernels.add_layer(layer.tile(state.layout, t), &weight.x, known, sums);
+    replaced_values.add(kernels.make_finite(known, sums));
+    pixels.write(tile, known, sums, image);
+  }
+  return image;
+}
+
+}  // namespace
+
+Image layer_image(const RelightState& state, size_t i) {
+  return make_layer_image(state, i, vec3(1));
 }
 
 Image weighted_layer(const RelightState& state, size_t i) {
-  CHECK_MSG(i < state.layers.size(), "layer {} of {}", i, state.layers.size());
-  Image result(state.frame.width, state.frame.height);
-  if (state.layers[i].width == 0) return result;
-  Film film(result);
-  const vec3 weight = state.lights[i].weight();
-  for (int y = 0; y < result.height; ++y) {
-    for (int x = 0; x < result.width; ++x) {
-      const float* p = state.layers[i].at(x, y);
-      film.write(x, y, weight * vec3(p[0], p[1], p[2]));
-    }
-  }
-  return result;
+  CHECK_MSG(i < state.lights.size(), "light {} of {}", i, state.lights.size());
+  return make_layer_image(state, i, state.lights[i].weight());
+}
+
+size_t layer_bytes(const RelightState& state) {
+  size_t bytes = state.others.size_bytes();
+  for (const Layer& layer : state.layers) bytes += layer.size_bytes();
+  return bytes;
 }
 
 }  // namespace relume

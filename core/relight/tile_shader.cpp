@@ -4,40 +4,55 @@
 #include "core/relight/receivers.h"
 
 namespace relume {
+namespace {
+
+/// How many of the first lights one pass takes: of one kind, as many as the kernels can.
+size_t lights_of_a_pass(std::span<const KernelLight> lights) {
+  size_t count = 1;
+  while (count < lights.size() && count < max_kernel_lights &&
+         lights[count].kind == lights[0].kind) {
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
 
 TileShader::TileShader(const RelightCache& cache, InstructionSet set)
     : cache_(cache), decoder_(cache, set), kernels_(block_kernels(choose_instruction_set(set))) {}
 
-void TileShader::shade(const PackedTile& tile, std::span<const KernelLight> lights,
-                       const VisibilitySource* shadows, TileScratch& scratch) const {
-  CHECK_MSG(!lights.empty() && lights.size() <= max_kernel_lights, "{} lights", lights.size());
-  CHECK_MSG(shadows == nullptr || lights.size() == 1, "{} lights", lights.size());
-  const CacheInfo& info = cache_.info();
-  KernelBlock blocks[max_kernel_blocks];
-  KernelTile kernel{blocks,
-                    0,
-                    info.format,
-                    decoder_.shaders().data(),
-                    static_cast<int>(info.types.size()),
-                    &cache_.view_axes(),
-                    lights.data(),
-                    static_cast<int>(lights.size()),
-                    {}};
-  for (size_t i = 0; i < lights.size(); ++i) {
-    std::fill(std::begin(scratch.rgbx[i]), std::end(scratch.rgbx[i]), 0.0f);
-    kernel.rgbx[i] = scratch.rgbx[i];
+void TileShader::find_blocks(const PackedTile& tile, BlockRange range,
+                             const VisibilitySource* shadows, TileScratch& scratch,
+                             KernelBlock* blocks) const {
+  for (int b = range.first; b < range.end; ++b) {
+    const PackedBlock block = cache_.block(tile, b);
+    KernelBlock& out = blocks[b - range.first];
+    out = {block.words, block.frame, block.slots, nullptr};
+    if (shadows == nullptr) continue;
+    const float* records = decoder_.floats(block, scratch.decoded);
+    query_block(cache_.info(), block, records, *shadows, scratch.visibility[b]);
+    out.visibility = scratch.visibility[b].data();
   }
-  for (int first = 0; first < tile.block_count; first += max_kernel_blocks) {
-    kernel.block_count = std::min(max_kernel_blocks, tile.block_count - first);
-    for (int i = 0; i < kernel.block_count; ++i) {
-      const PackedBlock block = cache_.block(tile, first + i);
-      blocks[i] = {block.words, block.frame, block.slots, nullptr, block.pixels, block.lanes};
-      if (shadows == nullptr) continue;
-      const float* records = decoder_.floats(block, scratch.decoded);
-      query_block(info, block, records, *shadows, scratch.visibility[i]);
-      blocks[i].visibility = scratch.visibility[i].data();
-    }
-    kernels_.shade_blocks(kernel);
+}
+
+void TileShader::shade(const PackedTile& tile, std::span<const KernelLight> lights,
+                       const VisibilitySource* shadows, TileScratch& scratch,
+                       BlockRange range) const {
+  CHECK_MSG(shadows == nullptr || lights.size() == 1, "{} lights", lights.size());
+  range.end = std::min(range.end, tile.block_count);
+  constexpr size_t chunk_floats = sizeof(CacheChunk) / sizeof(float);
+  const size_t chunks = lights.size() * (tile_floats / chunk_floats);
+  if (scratch.sums.size() < chunks) scratch.sums.resize(chunks);
+  if (range.first >= range.end) return;
+  KernelBlock blocks[max_tile_blocks];
+  find_blocks(tile, range, shadows, scratch, blocks);
+  for (size_t first = 0; first < lights.size();) {
+    const size_t count = lights_of_a_pass(lights.subspan(first));
+    kernels_.shade_blocks({blocks, range.end - range.first, cache_.info().format,
+                           decoder_.shaders().data(), static_cast<int>(cache_.info().types.size()),
+                           &cache_.view_axes(), &lights[first], static_cast<int>(count),
+                           scratch.light_sums(first) + range.first * block_floats});
+    first += count;
   }
 }
 

@@ -9,7 +9,7 @@
 
 namespace relume {
 
-// The .relume file, version 3, little-endian (docs/cache-format.md):
+// The .relume file, version 4, little-endian (docs/cache-format.md):
 //   CacheHeader | tile chunks, each 64-byte aligned | info | TileEntry[tile_count]
 // The tiles are those of the image, row by row, and their chunks follow each other in that order.
 // A tile chunk: data (words of 4 bytes, see PackedBlock), block headers, coverage bytes; where the
@@ -18,7 +18,7 @@ namespace relume {
 // formats: pad to 4, float frame[6], float bias[type_count] | pad to 8.
 
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
-inline constexpr uint32_t cache_version = 3;
+inline constexpr uint32_t cache_version = 4;
 inline constexpr uint32_t cache_endian_mark = 0x01020304;
 inline constexpr int max_slots = 4096;  ///< of one type in one block: samples a pixel
 

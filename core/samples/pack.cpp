@@ -5,6 +5,7 @@
 
 #include "core/base/check.h"
 #include "core/samples/cache_format.h"
+#include "core/samples/pixel_share.h"
 #include "core/samples/record_encode.h"
 
 namespace relume {
@@ -14,7 +15,12 @@ uint32_t rows_of(const TypedRows& rows, int pixel) {
   return rows.first[pixel + 1] - rows.first[pixel];
 }
 
-/// The tile's pixels that have records, sorted by record counts type by type, then by position.
+PixelShare share_of(const SampleTile& tile, int pixel) {
+  return first_share_of(tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width);
+}
+
+/// The tile's pixels that have records, sorted by share, by record counts type by type, then by
+/// position.
 std::vector<int> sorted_pixels(const SampleTile& tile) {
   std::vector<int> pixels;
   for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
@@ -23,6 +29,7 @@ std::vector<int> sorted_pixels(const SampleTile& tile) {
     if (any) pixels.push_back(pixel);
   }
   std::stable_sort(pixels.begin(), pixels.end(), [&](int a, int b) {
+    if (share_of(tile, a) != share_of(tile, b)) return share_of(tile, a) < share_of(tile, b);
     for (const TypedRows& rows : tile.types) {
       const uint32_t count_a = rows_of(rows, a);
       const uint32_t count_b = rows_of(rows, b);
@@ -178,9 +185,14 @@ PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> 
   packed.width = records.width;
   packed.height = records.height;
   const std::vector<int> pixels = sorted_pixels(records);
-  for (size_t i = 0; i < pixels.size(); i += block_lanes) {
-    const size_t lanes = std::min<size_t>(block_lanes, pixels.size() - i);
+  for (size_t i = 0; i < pixels.size();) {
+    size_t lanes = 1;
+    while (lanes < block_lanes && i + lanes < pixels.size() &&
+           share_of(records, pixels[i + lanes]) == share_of(records, pixels[i])) {
+      ++lanes;
+    }
     pack_block(records, types, std::span(pixels).subspan(i, lanes), axes, packed);
+    i += lanes;
   }
   for (int pixel = 0; pixel < records.pixel_count(); ++pixel) {
     const float coverage = pixel_coverage(records, pixel);

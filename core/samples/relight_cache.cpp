@@ -148,7 +148,7 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
       info_.has_predicted_error ? coverage_stride(pixels) + pixels * sizeof(float) : pixels;
   const size_t stride = block_stride(info_.types.size(), info_.format);
   if (entry.offset % 64 != 0 || entry.data_words > entry.size / sizeof(uint32_t) ||
-      entry.block_count > pixels ||
+      entry.block_count > max_tile_blocks ||
       !inside(entry.data_words * sizeof(uint32_t), entry.block_count * stride + pixel_bytes,
               entry.size)) {
     corrupt(place, "a tile's parts do not fit into it");
@@ -224,6 +224,16 @@ PackedBlock RelightCache::block(const PackedTile& tile, int index) const {
   return {tile.words + first_word, frame,
           reinterpret_cast<const uint16_t*>(header + block_slots_offset),
           reinterpret_cast<const uint8_t*>(header + 5), static_cast<int>(header[4])};
+}
+
+int RelightCache::block_count(const PackedTile& tile, PixelShare share) const {
+  const auto share_of = [&](int index) {
+    const int pixel = block(tile, index).pixels[0];
+    return first_share_of(tile.x0 + pixel % tile_size, tile.y0 + pixel / tile_size);
+  };
+  int count = share == PixelShare::none ? 0 : tile.block_count;
+  while (count > 0 && share_of(count - 1) > share) --count;
+  return count;
 }
 
 std::vector<float> RelightCache::coverage() const {

@@ -8,12 +8,14 @@
 
 #include "core/base/file.h"
 #include "core/math/vec.h"
+#include "core/samples/pixel_share.h"
 #include "core/samples/record_layout.h"
 #include "core/samples/sample_type.h"
 
 namespace relume {
 
-inline constexpr int block_lanes = 16;  ///< pixels of a block; one SIMD lane is one pixel
+inline constexpr int block_lanes = 16;      ///< pixels of a block; one SIMD lane is one pixel
+inline constexpr int max_tile_blocks = 16;  ///< a tile of 16 x 16 pixels has no more
 
 /// Memory of a cache that was not read from a file, in aligned pieces.
 struct alignas(64) CacheChunk {
@@ -66,7 +68,8 @@ struct PackedBlock {
   const float* floats() const { return reinterpret_cast<const float*>(words); }
 };
 
-/// Read access to one tile of a cache.
+/// Read access to one tile of a cache. Its blocks are sorted by the share of the picture that their
+/// pixels belong to; a block lies in one share.
 struct PackedTile {
   int x0 = 0;
   int y0 = 0;
@@ -101,6 +104,8 @@ class RelightCache {
   const ViewAxes& view_axes() const { return view_axes_; }
   std::span<const PackedTile> tiles() const { return tiles_; }
   PackedBlock block(const PackedTile& tile, int index) const;
+  /// The number of blocks that hold the pixels of `share`, the first of the tile.
+  int block_count(const PackedTile& tile, PixelShare share) const;
   /// Bytes of the whole cache, header included.
   size_t size_bytes() const { return bytes_.size(); }
   /// Fraction of each pixel that geometry covers, row-major, in [0, 1] (8-bit precision).

@@ -64,6 +64,28 @@ struct Pack {
   }
   void store(float* p) const { __builtin_memcpy(p, &v, sizeof(Vector)); }
 };
+
+/// Writes to an address aligned to the pack's size, past the caches where the machine can: for what
+/// is not read again soon. finish_streams() before other threads read it.
+template <int W>
+void stream(Pack<W> a, float* p) {
+#if defined(__AVX512F__)
+  if constexpr (W == 16) return _mm512_stream_ps(p, a.v);
+#endif
+#if defined(__AVX2__)
+  if constexpr (W == 8) return _mm256_stream_ps(p, a.v);
+#endif
+#if defined(__SSE4_2__)
+  if constexpr (W == 4) return _mm_stream_ps(p, a.v);
+#endif
+  a.store(p);
+}
+inline void finish_streams() {
+#if defined(__SSE4_2__)
+  _mm_sfence();
+#endif
+}
+
 template <int W>
 Pack<W> make_pack(typename Pack<W>::Vector v) {
   return Pack<W>(v, 0);
@@ -291,37 +313,6 @@ void store_vec3(Vec3<Pack<W>> v, float* p, int stride) {
   v.x.store(p);
   v.y.store(p + stride);
   v.z.store(p + 2 * stride);
-}
-
-/// Writes colours of 16 lanes, `rgb` = 16 reds, 16 greens, 16 blues, to four floats a pixel, RGB
-/// and 0: lane i to out[4 * pixels[i]]. Lanes from `lanes` on are left out.
-inline void scatter_rgbx(const float* rgb, const unsigned char* pixels, int lanes, float* out) {
-  using Four = Lanes<float, 4>::type;
-  for (int first = 0; first < lanes; first += 4) {
-    Four red;
-    Four green;
-    Four blue;
-    __builtin_memcpy(&red, rgb + first, sizeof(red));
-    __builtin_memcpy(&green, rgb + 16 + first, sizeof(green));
-    __builtin_memcpy(&blue, rgb + 32 + first, sizeof(blue));
-    const Four rg_low = __builtin_shufflevector(red, green, 0, 4, 1, 5);
-    const Four rg_high = __builtin_shufflevector(red, green, 2, 6, 3, 7);
-    const Four b_low = __builtin_shufflevector(blue, Four{}, 0, 4, 1, 5);
-    const Four b_high = __builtin_shufflevector(blue, Four{}, 2, 6, 3, 7);
-    const Four rgbx[4] = {__builtin_shufflevector(rg_low, b_low, 0, 1, 4, 5),
-                          __builtin_shufflevector(rg_low, b_low, 2, 3, 6, 7),
-                          __builtin_shufflevector(rg_high, b_high, 0, 1, 4, 5),
-                          __builtin_shufflevector(rg_high, b_high, 2, 3, 6, 7)};
-    if (first + 4 <= lanes) {
-      for (int i = 0; i < 4; ++i) {
-        __builtin_memcpy(out + 4 * pixels[first + i], &rgbx[i], sizeof(Four));
-      }
-    } else {
-      for (int i = 0; first + i < lanes; ++i) {
-        __builtin_memcpy(out + 4 * pixels[first + i], &rgbx[i], sizeof(Four));
-      }
-    }
-  }
 }
 
 }  // namespace relume::RELUME_ISA

@@ -65,7 +65,7 @@ void shade_tile(benchmark::State& state, const KernelCase& c) {
   const auto scratch = std::make_unique<TileScratch>();
   for (auto step : state) {
     shader.shade(cache.tiles()[0], lights, nullptr, *scratch);
-    benchmark::DoNotOptimize(scratch->rgbx);
+    benchmark::DoNotOptimize(scratch->light_sums(0));
   }
   const auto records = static_cast<double>(cache.info().record_count * lights.size());
   state.counters["records_x_lights"] =

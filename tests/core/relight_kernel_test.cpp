@@ -93,7 +93,7 @@ class Kernel : public testing::TestWithParam<std::tuple<InstructionSet, size_t>>
     RelightState state = make_relight_state(cache);
     const RelightStats stats = relight(state, {&light, 1}, nullptr, {std::get<0>(GetParam())});
     EXPECT_EQ(stats.replaced_values, 0u);
-    return state.layers[0];
+    return layer_image(state, 0);
   }
 };
 
@@ -207,7 +207,7 @@ TEST_P(MixedKernel, SumsRecordsOfAllTypesAndTheirVisibility) {
       float brightest = 0;
       for (const float value : exact.pixels) brightest = std::max(brightest, value);
       EXPECT_GT(brightest, 0);
-      EXPECT_LE(max_difference(state.layers[0], exact), 2e-5f * brightest + 1e-7f)
+      EXPECT_LE(max_difference(layer_image(state, 0), exact), 2e-5f * brightest + 1e-7f)
           << label_of(light_type_labels, light.type) << (source != nullptr ? " shadowed" : "");
     }
   }

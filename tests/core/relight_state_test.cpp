@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "core/relight/film.h"
 #include "core/relight/reference_relight.h"
 #include "core/relight/relight.h"
 #include "core/samples/cache_writer.h"
@@ -37,7 +36,7 @@ TEST_F(RelightTest, FrameIsTheSumOfTheWeightedLayers) {
   for (size_t pixel = 0; pixel < 256; ++pixel) {
     dvec3 sum(0);
     for (size_t i = 0; i < lights_.size(); ++i) {
-      sum += dvec3(lights_[i].weight()) * dvec3(state_.layers[i].rgb(pixel));
+      sum += dvec3(lights_[i].weight()) * dvec3(layer_image(state_, i).rgb(pixel));
     }
     for (size_t c = 0; c < 3; ++c) {
       EXPECT_NEAR(state_.frame.rgb(pixel)[c], sum[c], 1e-6 * sum[c]);
@@ -72,10 +71,10 @@ TEST_F(RelightTest, OnlyTheMovedLightIsShadedAnew) {
   EXPECT_EQ(first.layers_shaded, 3);
   EXPECT_EQ(first.records_shaded, 3 * tile_.row_count());
   EXPECT_EQ(update().layers_shaded, 0);
-  const Image kept = state_.layers[0];
+  const Image kept = layer_image(state_, 0);
   lights_[1].position.x += 0.5f;
   EXPECT_EQ(update().layers_shaded, 1);
-  EXPECT_EQ(state_.layers[0].pixels, kept.pixels);
+  EXPECT_EQ(layer_image(state_, 0).pixels, kept.pixels);
   EXPECT_EQ(max_difference(state_.frame, render_frame(cache_, lights_)), 0);
 }
 
@@ -93,7 +92,7 @@ TEST_F(RelightTest, LightsOfAllKindsInOnePassEqualEachAlone) {
   for (size_t i = 0; i < lights_.size(); ++i) {
     RelightState alone = make_relight_state(cache_);
     relight(alone, {&lights_[i], 1}, nullptr);
-    EXPECT_EQ(state_.layers[i].pixels, alone.layers[0].pixels) << "light " << i;
+    EXPECT_EQ(layer_image(state_, i).pixels, layer_image(alone, 0).pixels) << "light " << i;
   }
 }
 
@@ -113,12 +112,12 @@ TEST_F(RelightTest, TilesAtTheEdgesAreWrittenToTheirLastPixel) {
     const Image exact = reference_layer(cache, lights_[0], nullptr);  // exponents up to 1e5
     float brightest = 0;
     for (const float value : exact.pixels) brightest = std::max(brightest, value);
-    EXPECT_LE(max_difference(state.layers[0], exact), 1e-2f * brightest);
+    EXPECT_LE(max_difference(layer_image(state, 0), exact), 1e-2f * brightest);
     for (int y = 0; y < 21; ++y) {
       for (int x = 0; x < 37; ++x) {
         vec3 sum(0);
         for (size_t i = 0; i < lights_.size(); ++i) {
-          sum += lights_[i].weight() * state.layers[i].rgb(static_cast<size_t>(y) * 37 + x);
+          sum += lights_[i].weight() * layer_image(state, i).rgb(static_cast<size_t>(y) * 37 + x);
         }
         ASSERT_LE(glm::distance(state.frame.rgb(static_cast<size_t>(y) * 37 + x), sum),
                   1e-5f * (1 + glm::length(sum)))
@@ -209,13 +208,13 @@ TEST_F(RelightTest, InvalidateShadesEverything) {
 TEST_F(RelightTest, InvalidLightChangesNothing) {
   update();
   const Image frame = state_.frame;
-  const Image layer = state_.layers[0];
+  const Image layer = layer_image(state_, 0);
   lights_[0].position = {5, 5, 5};
   lights_[2].direction = vec3(0);
   lights_[2].name = "key";
   EXPECT_ERROR(update(), ErrorKind::input, "lights/2 (key)/direction");
   EXPECT_EQ(max_difference(state_.frame, frame), 0);
-  EXPECT_EQ(max_difference(state_.layers[0], layer), 0);
+  EXPECT_EQ(max_difference(layer_image(state_, 0), layer), 0);
   lights_[2].direction = {0, -1, -1};
   EXPECT_EQ(update().layers_shaded, 1);
   EXPECT_EQ(max_difference(state_.frame, render_frame(cache_, lights_)), 0);
@@ -265,29 +264,6 @@ TEST_F(RelightTest, NonFiniteValuesAreReplacedAndCounted) {
   const RelightStats stats = update();
   EXPECT_GT(stats.replaced_values, 0u);
   for (const float value : state_.frame.pixels) EXPECT_TRUE(is_finite(value));
-}
-
-TEST(Film, ReplacesByZeroAndCounts) {
-  Image image(2, 1);
-  Film film(image);
-  film.write(0, 0, {1, std::nanf(""), 3});
-  film.write(1, 0,
-             {std::numeric_limits<float>::infinity(), 5, -std::numeric_limits<float>::infinity()});
-  EXPECT_EQ(film.replaced(), 3u);
-  EXPECT_EQ(image.pixels, (std::vector<float>{1, 0, 3, 0, 5, 0}));
-}
-
-TEST(Film, RowsAreCheckedLikePixels) {
-  const float nan = std::nanf("");
-  Image image(6, 2);
-  Film film(image);
-  film.write_row(1, 0, 2, std::vector<float>{1, 2, 3, 4, nan, 6}.data());
-  film.write_row_rgbx(0, 1, 3, std::vector<float>{1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0}.data());
-  film.write_row_rgbx(4, 1, 2, std::vector<float>{1, -INFINITY, 3, 0, 4, 5, 6, 0}.data());
-  EXPECT_EQ(film.replaced(), 2u);
-  EXPECT_EQ(image.pixels,
-            (std::vector<float>{0, 0, 0, 1, 2, 3, 4, 0, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0,  //
-                                1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0, 1, 0, 3, 4, 5, 6}));
 }
 
 TEST_F(RelightTest, BlackLightsAndBlackRecordsAreBlack) {

@@ -130,7 +130,7 @@ TEST(CorruptCache, EveryFlippedByteIsRefused) {
 TEST(CorruptCache, OtherVersionByteOrderAndMagicAreNamed) {
   Bytes bytes = make_valid();
   bytes[8] = std::byte{1};
-  EXPECT_ERROR(use(bytes), ErrorKind::input, "has cache version 1, not 3");
+  EXPECT_ERROR(use(bytes), ErrorKind::input, "has cache version 1, not 4");
   bytes = make_valid();
   bytes[0] = std::byte{'X'};
   EXPECT_ERROR(use(bytes), ErrorKind::input, "not a .relume cache");

@@ -319,7 +319,7 @@ TEST(PackedCache, KernelsMatchTheReference) {
         float brightest = 0;
         for (const float value : exact.pixels) brightest = std::max(brightest, value);
         EXPECT_GT(brightest, 0);
-        EXPECT_LE(max_difference(state.layers[i], exact), 2e-5f * brightest + 1e-7f)
+        EXPECT_LE(max_difference(layer_image(state, i), exact), 2e-5f * brightest + 1e-7f)
             << name << " light " << i;
       }
     }
