@@ -29,6 +29,10 @@ std::vector<std::vector<ResolvedParameter>> resolve_parameters(const Scene& scen
   return parameters;
 }
 
+/// Exponents closer to 0 count as 0: for them kernels do not tell 0^e = 0 from 0^0 = 1, see
+/// pow_unit in core/simd/pack.h.
+constexpr float smallest_scalar = 1e-30f;
+
 vec3 material_value(const Scene& scene, const ResolvedParameter& parameter,
                     const SurfacePoint& point) {
   vec3 value = parameter.value;
@@ -49,8 +53,11 @@ vec3 field_value(const Scene& scene, const SampleField& field, const ResolvedPar
       return point.shading_normal;
     case FieldSource::tangent:
       return point.tangent;
-    case FieldSource::material:
-      return material_value(scene, parameter, point);
+    case FieldSource::material: {
+      const vec3 value = material_value(scene, parameter, point);
+      const bool is_zero = field.kind == FieldKind::scalar && std::abs(value.x) < smallest_scalar;
+      return is_zero ? vec3(0) : value;
+    }
   }
   return vec3(0);
 }

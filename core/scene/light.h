@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -39,8 +40,11 @@ struct Light {
   bool mute = false;
   bool casts_shadow = true;
 
-  /// The weight of the light's layer: color * gain, or 0 when muted.
-  vec3 weight() const { return mute ? vec3(0) : color * gain; }
+  /// The weight of the light's layer: color * gain, or 0 when muted. At most the largest float, so
+  /// that a light too bright for a float leaves black what it does not reach.
+  vec3 weight() const {
+    return mute ? vec3(0) : glm::min(color * gain, vec3(std::numeric_limits<float>::max()));
+  }
 };
 
 /// Throws Error(input) that names `place` and the field when a parameter is not finite or out of

@@ -95,6 +95,17 @@ TEST(SampleTile, HoldsEverySampleThatHitWithItsFields) {
   EXPECT_EQ(samples, 10u * 18 * 9);
 }
 
+TEST(SampleTile, TakesExponentsThatKernelsDoNotResolveForZero) {
+  for (const float exponent : {1e-45f, 1e-31f, 1e-29f}) {
+    Scene scene = make_half_scene();
+    scene.materials[0].parameters = {{"exponent", vec3(exponent), -1}};
+    const Tracer tracer(scene);
+    const TypedRows rows = sample_tile(make_view_sampler(scene, tracer, 20, 18, 1, 3), 0).types[0];
+    ASSERT_GT(rows.rows(), 0u);
+    EXPECT_EQ(rows.values[13], exponent < 1e-30f ? 0 : exponent);
+  }
+}
+
 TEST(SampleTile, OnePixelIsBitEqualToItsPart) {
   Scene scene = make_empty_scene(make_camera({0.3f, 0.2f, 3}, vec3(0), 40), 21, 19);
   const uint32_t phong = add_material(scene, "phong", {{"diffuse", {0.25f, 0.5f, 1}}});
