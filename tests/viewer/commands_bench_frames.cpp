@@ -48,7 +48,8 @@ TEST(PortCycles, SumOverTheSlotsOfEachType) {
   }
   const auto path = folder.file("ports");
   std::ofstream(path) << "some model\navx2 lambert exact 0 4 10\navx2 phong exact 0 4 100.5\n"
-                         "avx2 kajiya-kay exact 0 4 1000\navx2 leaf exact 0 4 20\navx2 leaf exact 1 4 77\navx2 leaf compact 0 4 5000\n";
+                         "avx2 kajiya-kay exact 0 4 1000\navx2 leaf exact 0 4 20\navx2 leaf exact "
+                         "1 4 77\navx2 leaf compact 0 4 5000\n";
   const PortCycles ports(path);
   EXPECT_EQ(ports.model(), "some model");
   const auto count = [&](size_t t) { return static_cast<double>(slots[t]); };
@@ -72,7 +73,8 @@ TEST(BenchFrames, RatiosFollowFromTheTimes) {
   const auto path = folder.file("ports");
   std::ofstream(path) << "model\nscalar lambert exact 0 1 1e12\nscalar phong exact 0 1 0\n"
                          "scalar kajiya-kay exact 0 1 0\nscalar leaf exact 0 1 0\n";
-  const std::vector<FigureRow> rows = bench_frames(make_cache(), 2, 1.25, PortCycles(path), 1);
+  const std::vector<FigureRow> rows =
+      bench_frames(make_cache(), 2, {1.25, {{1, 2.5}, {4, 5.0}}}, PortCycles(path), 1);
   int frames = 0;
   for (const FigureRow& row : rows) {
     const std::string name = std::get<std::string>(row[0].second);
@@ -91,6 +93,10 @@ TEST(BenchFrames, RatiosFollowFromTheTimes) {
       EXPECT_EQ(number(row, "floor_ms"), 1.25);
     }
     EXPECT_DOUBLE_EQ(number(row, "ratio"), number(row, "ms") / number(row, "floor_ms"));
+    const double write_ms = name.ends_with("-4-lights") ? 5.0 : 2.5;
+    EXPECT_EQ(number(row, "write_floor_ms"), write_ms);
+    EXPECT_DOUBLE_EQ(number(row, "ratio_write"),
+                     number(row, "ms") / std::fmax(write_ms, number(row, "port_floor_ms")));
     EXPECT_DOUBLE_EQ(number(row, "hot_ratio"), number(row, "ms") / number(row, "hot_ms"));
     EXPECT_DOUBLE_EQ(number(row, "scaling"), number(row, "ms_1_thread") / number(row, "ms"));
     EXPECT_GT(number(row, "double_ratio"), 0);

@@ -308,6 +308,34 @@ TEST(Program, RefusesBudgetsThatCannotBe) {
   EXPECT_FALSE(std::filesystem::exists(folder.file("c.relume")));
 }
 
+TEST(Program, BenchSetsSeveralCachesBesideTheFirst) {
+  const TemporaryFolder folder;
+  const std::string prepare = "prepare spheres " + std::string(small) + "--method kmeans ";
+  ASSERT_EQ(run_relume(folder, prepare + "--records 4 -o a.relume").exit_code, 0);
+  ASSERT_EQ(run_relume(folder, prepare + "--records 1 -o b.relume").exit_code, 0);
+  const Outcome outcome = run_relume(folder, "bench a.relume b.relume --repeats 1 --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::vector<std::string> names;
+  const nlohmann::json figures = nlohmann::json::parse(outcome.out);
+  for (const auto& row : figures["rows"]) {
+    names.push_back(row["name"]);
+    if (names.back() == "a") {
+      EXPECT_EQ(row["ratio"], 1);
+    }
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"a", "b", "a-4-lights", "b-4-lights", "memory-a",
+                                             "memory-b"}));
+}
+
+TEST(Program, BenchRefusesSizesThatAreNone) {
+  const TemporaryFolder folder;
+  for (const char* size : {"12", "0x5", "640x480x3", "99999x9"}) {
+    const Outcome outcome = run_relume(folder, std::string("bench spheres --size ") + size);
+    EXPECT_EQ(outcome.exit_code, 2) << size;
+    EXPECT_NE(outcome.err.find("WIDTHxHEIGHT"), std::string::npos) << outcome.err;
+  }
+}
+
 TEST(Program, StudyMeasuresMethodsAgainstKmeans) {
   const TemporaryFolder folder;
   const Outcome outcome = run_relume(folder,

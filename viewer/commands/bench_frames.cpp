@@ -7,9 +7,9 @@
 
 #include "core/base/parallel.h"
 #include "core/relight/reference_relight.h"
-#include "core/relight/relight.h"
 #include "core/relight/tile_shader.h"
-#include "viewer/commands/bench_stages.h"
+#include "viewer/commands/bench_relight.h"
+#include "viewer/commands/bench_time.h"
 
 namespace relume {
 namespace {
@@ -22,34 +22,14 @@ struct FrameBench {
   const RelightCache& cache;
   int repeats;
   int threads;
-  double memory_floor_ms;
+  const MemoryFloor& memory;
   double clock_hz;
   const PortCycles& ports;
 };
 
-/// The cache's first light and others of its kind around it.
-std::vector<Light> make_lights(const CacheInfo& info, int count) {
-  std::vector<Light> lights(count, info.lights.front());
-  for (int i = 0; i < count; ++i) {
-    const auto side = static_cast<float>(i);
-    lights[i].position += 0.05f * info.bounds.radius() * vec3(side, -side, 0.5f * side);
-    lights[i].direction += 0.05f * side * vec3(1, 0, 1);
-  }
-  return lights;
-}
-
-double frame_ms(const FrameBench& bench, const std::vector<Light>& lights, InstructionSet set) {
-  RelightState state = make_relight_state(bench.cache);
-  std::vector<Light> moved = lights;
-  const auto frame = [&] {
-    for (Light& light : moved) {
-      light.position.x += 1e-4f * bench.cache.info().bounds.radius();
-      light.direction.x += 1e-4f;
-    }
-    relight(state, moved, nullptr, {.instruction_set = set});
-  };
-  frame();  // takes memory
-  return least_ms(bench.repeats, frame);
+double frame_ms(const FrameBench& bench, int lights, InstructionSet set) {
+  RepeatedFrame frame(bench.cache, lights, set);
+  return least_ms(bench.repeats, [&] { frame.move_all(); });
 }
 
 uint64_t count_slots(const RelightCache& cache, const PackedTile& tile) {
@@ -93,27 +73,35 @@ double hot_ms(const FrameBench& bench, const std::vector<Light>& lights, Instruc
   return ms * static_cast<double>(all_slots) / static_cast<double>(hot_slots) / bench.threads;
 }
 
+double port_ms(const FrameBench& bench, std::string_view set_name,
+               const std::vector<Light>& lights) {
+  const auto kind = make_kernel_light(lights.front(), bench.cache.info().bounds.radius()).kind;
+  return bench.ports.frame_cycles(bench.cache, std::string(set_name), static_cast<int>(kind),
+                                  static_cast<int>(lights.size())) /
+         bench.clock_hz / bench.threads * 1e3;
+}
+
 FigureRow frame_row(const FrameBench& bench, const std::string& name, std::string_view set_name,
                     InstructionSet set, const std::vector<Light>& lights, double double_ms) {
-  const double ms = frame_ms(bench, lights, set);
+  const auto count = static_cast<int>(lights.size());
+  const double ms = frame_ms(bench, count, set);
   set_thread_count(1);
-  const double one_thread_ms = frame_ms(bench, lights, set);
+  const double one_thread_ms = frame_ms(bench, count, set);
   set_thread_count(bench.threads);
-  const auto kind = make_kernel_light(lights.front(), bench.cache.info().bounds.radius()).kind;
-  const double port_ms =
-      bench.ports.frame_cycles(bench.cache, std::string(set_name), static_cast<int>(kind),
-                               static_cast<int>(lights.size())) /
-      bench.clock_hz / bench.threads * 1e3;
-  const double floor_ms = std::fmax(bench.memory_floor_ms, port_ms);  // NaN loses
+  const double ports = port_ms(bench, set_name, lights);
+  const double floor_ms = std::fmax(bench.memory.read_ms, ports);  // NaN loses
+  const double write_ms = bench.memory.read_write_ms.at(count);
   const double hot = hot_ms(bench, lights, set);
   const auto records = static_cast<double>(bench.cache.info().record_count * lights.size());
   return {{"name", name},
           {"ms", ms},
           {"records_per_s", records / (ms * 1e-3)},
-          {"memory_floor_ms", bench.memory_floor_ms},
-          {"port_floor_ms", port_ms},
+          {"memory_floor_ms", bench.memory.read_ms},
+          {"write_floor_ms", write_ms},
+          {"port_floor_ms", ports},
           {"floor_ms", floor_ms},
           {"ratio", ms / floor_ms},
+          {"ratio_write", ms / std::fmax(write_ms, ports)},
           {"hot_ms", hot},
           {"hot_ratio", ms / hot},
           {"ms_1_thread", one_thread_ms},
@@ -123,16 +111,17 @@ FigureRow frame_row(const FrameBench& bench, const std::string& name, std::strin
 
 }  // namespace
 
-std::vector<FigureRow> bench_frames(const RelightCache& cache, int repeats, double memory_floor_ms,
-                                    const PortCycles& ports, int threads) {
-  const FrameBench bench{cache, repeats, threads, memory_floor_ms, measure_clock_hz(), ports};
+std::vector<FigureRow> bench_frames(const RelightCache& cache, int repeats,
+                                    const MemoryFloor& memory, const PortCycles& ports,
+                                    int threads) {
+  const FrameBench bench{cache, repeats, threads, memory, measure_clock_hz(), ports};
   std::vector<FigureRow> rows{{{"name", "machine"},
                                {"clock_ghz", bench.clock_hz * 1e-9},
                                {"threads", int64_t{threads}},
                                {"port_model", ports.model()}}};
   for (const int count : {1, 4}) {
     const std::string suffix = count > 1 ? fmt::format("-{}-lights", count) : "";
-    const std::vector<Light> lights = make_lights(cache.info(), count);
+    const std::vector<Light> lights = make_bench_lights(cache.info(), count);
     const double double_ms = least_ms(2, [&] {
       for (const Light& light : lights) reference_layer(cache, light, nullptr);
     });

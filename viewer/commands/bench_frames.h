@@ -14,14 +14,17 @@ namespace relume {
 /// A frame is relight(): shading, layers and their sum. Least time of `repeats`, all threads:
 ///   ms, records_per_s (records x lights)
 ///   memory_floor_ms   reading the cache's bytes, measured in this process beforehand
+///   write_floor_ms    reading them and writing layers and frame, the same
 ///   port_floor_ms     port-bound cycles of the kernels / clock / threads; null without `ports`
-///   floor_ms, ratio   the larger of the two; ms / floor_ms
+///   floor_ms, ratio   the larger of memory_floor_ms and port_floor_ms; ms / floor_ms
+///   ratio_write       ms / the larger of write_floor_ms and port_floor_ms
 ///   hot_ms, hot_ratio the kernels alone on tiles that stay in the second-level cache, one thread,
 ///                     scaled to the frame and divided by the threads; ms / hot_ms
 ///   ms_1_thread, scaling   the frame on one thread; ms_1_thread / ms
 ///   double_ratio      the double loop's time under the same lights / ms_1_thread
 /// The double rows hold ms alone.
-std::vector<FigureRow> bench_frames(const RelightCache& cache, int repeats, double memory_floor_ms,
-                                    const PortCycles& ports, int threads);
+std::vector<FigureRow> bench_frames(const RelightCache& cache, int repeats,
+                                    const MemoryFloor& memory, const PortCycles& ports,
+                                    int threads);
 
 }  // namespace relume

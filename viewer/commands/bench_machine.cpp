@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <limits>
@@ -9,7 +10,8 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "viewer/commands/bench_stages.h"
+#include "core/image/image.h"
+#include "viewer/commands/bench_time.h"
 
 namespace relume {
 namespace {
@@ -24,6 +26,17 @@ std::vector<uint64_t> count_slots(const RelightCache& cache) {
     }
   }
   return slots;
+}
+
+/// Some sum over the bytes from the first tile to the end of the last one's blocks.
+uint64_t read_tiles(const PackedTile& first_tile, const PackedTile& last_tile) {
+  const auto* first = reinterpret_cast<const uint64_t*>(first_tile.words);
+  const auto* last = reinterpret_cast<const uint64_t*>(last_tile.coverage);
+  uint64_t sum = 0;
+  for (const uint64_t* p = first; p + 8 <= last; p += 8) {
+    sum += (p[0] ^ p[1]) + (p[2] ^ p[3]) + (p[4] ^ p[5]) + (p[6] ^ p[7]);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -52,15 +65,33 @@ double read_cache_ms(const RelightCache& cache, int repeats) {
   std::atomic<uint64_t> sink{0};
   return least_ms(repeats, [&] {
     parallel_for(cache.tiles().size(), 8, [&](size_t begin, size_t end) {
-      const auto* first = reinterpret_cast<const uint64_t*>(cache.tiles()[begin].words);
-      const auto* last = reinterpret_cast<const uint64_t*>(cache.tiles()[end - 1].coverage);
-      uint64_t sum = 0;
-      for (const uint64_t* p = first; p + 8 <= last; p += 8) {
-        sum += (p[0] ^ p[1]) + (p[2] ^ p[3]) + (p[4] ^ p[5]) + (p[6] ^ p[7]);
-      }
-      sink += sum;
+      sink += read_tiles(cache.tiles()[begin], cache.tiles()[end - 1]);
     });
   });
+}
+
+double read_write_ms(const RelightCache& cache, int layers, int repeats) {
+  std::vector<Image> images;
+  for (int i = 0; i < layers + 1; ++i) images.emplace_back(cache.info().width, cache.info().height);
+  const auto copy = [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      const PackedTile& tile = cache.tiles()[t];
+      if (tile.block_count == 0) continue;
+      const auto value = static_cast<float>(read_tiles(tile, tile));
+      for (Image& image : images) {
+        for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
+          std::fill_n(image.at(tile.x0, y), 3 * tile.width, value);
+        }
+      }
+    }
+  };
+  copy(0, cache.tiles().size());  // takes memory
+  return least_ms(repeats, [&] { parallel_for(cache.tiles().size(), 8, copy); });
+}
+
+MemoryFloor measure_memory_floor(const RelightCache& cache, int repeats) {
+  return {read_cache_ms(cache, repeats),
+          {{1, read_write_ms(cache, 1, repeats)}, {4, read_write_ms(cache, 4, repeats)}}};
 }
 
 PortCycles::PortCycles(const std::filesystem::path& path) {

@@ -18,14 +18,25 @@ double measure_clock_hz();
 /// threads: what memory alone would cost.
 double read_cache_ms(const RelightCache& cache, int repeats);
 
+/// The same with writing what a frame must leave: `layers` layers and the frame, three floats a
+/// pixel each, tile by tile where the cache has records.
+double read_write_ms(const RelightCache& cache, int layers, int repeats);
+
+/// What memory costs a frame, measured in this process.
+struct MemoryFloor {
+  double read_ms = 0;                     ///< read_cache_ms
+  std::map<int, double> read_write_ms{};  ///< by lights that move: 1 and 4
+};
+MemoryFloor measure_memory_floor(const RelightCache& cache, int repeats);
+
 /// How many cycles a kernel needs for one slot (16 records) when nothing but the number of
 /// execution ports limits it, as tests/bench/port_cycles.py finds out with llvm-mca.
 class PortCycles {
  public:
   /// Knows nothing.
   PortCycles() = default;
-  /// Reads lines of "instruction-set shader format light-kind lights cycles" after a line that names the
-  /// processor models. Throws Error(input).
+  /// Reads lines of "instruction-set shader format light-kind lights cycles" after a line that
+  /// names the processor models. Throws Error(input).
   explicit PortCycles(const std::filesystem::path& path);
 
   /// Processor models that stand in for this one, or "no llvm-mca".

@@ -11,6 +11,7 @@
 #include "core/samples/cache_writer.h"
 #include "core/samples/pack.h"
 #include "core/samples/sample_scene.h"
+#include "viewer/commands/bench_time.h"
 #include "viewer/session/method_training.h"
 
 namespace relume {

@@ -1,10 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <limits>
 #include <vector>
 
-#include "core/base/timer.h"
 #include "core/samples/relight_cache.h"
 #include "core/trace/tracer.h"
 #include "reduction/reduction.h"
@@ -12,23 +9,6 @@
 #include "viewer/commands/json_output.h"
 
 namespace relume {
-
-/// Least wall time in milliseconds of `repeats` calls, of fewer once they took `enough_ms` together
-/// (at least one).
-template <class Body>
-double least_ms(int repeats, const Body& body,
-                double enough_ms = std::numeric_limits<double>::infinity()) {
-  double least = std::numeric_limits<double>::infinity();
-  double total = 0;
-  for (int i = 0; i < repeats && total < enough_ms; ++i) {
-    const Timer timer;
-    body();
-    const double ms = timer.ms();
-    least = std::min(least, ms);
-    total += ms;
-  }
-  return least;
-}
 
 /// What the preprocess is timed on.
 struct BenchStagesParams {

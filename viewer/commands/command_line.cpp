@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <functional>
 
 #include "core/base/check.h"
@@ -65,6 +66,22 @@ void add_prepare(CLI::App& app, PrepareOptions& options) {
   app.add_option("--width", options.width, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
   app.add_option("--height", options.height, "pixels; 0 = the scene's")
       ->check(CLI::Range(0, 16384));
+}
+
+/// "640x480" and the like.
+std::vector<PictureSize> parse_sizes(const std::vector<std::string>& texts) {
+  std::vector<PictureSize> sizes;
+  for (const std::string& text : texts) {
+    PictureSize size;
+    char rest = 0;
+    const int found = std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest);
+    const auto is_length = [](int pixels) { return pixels >= 1 && pixels <= 16384; };
+    if (found != 2 || !is_length(size.width) || !is_length(size.height)) {
+      throw CLI::ValidationError("--size: '" + text + "' is not WIDTHxHEIGHT, 1 to 16384 each");
+    }
+    sizes.push_back(size);
+  }
+  return sizes;
 }
 
 using Command = std::function<int()>;
@@ -166,15 +183,23 @@ void add_compare(CLI::App& app, Parsed& p) {
 void add_bench(CLI::App& app, Parsed& p) {
   CLI::App& sub = add_command(
       app, p, "bench", "Time the stages, each beside its floor measured in the same run",
-      "  relume bench hair --records 8 --json\n  relume bench hair.relume --frames",
+      "  relume bench hair --records 8 --json\n  relume bench hair.relume --frames\n"
+      "  relume bench k8.relume average3.relume --frames\n"
+      "  relume bench plants --frames --size 3840x2160",
       [&p] { return run_bench(p.bench, p.common); });
-  sub.add_option("scene", p.bench.scene, "scene label, file or cache")->capture_default_str();
+  sub.add_option("inputs", p.bench.inputs,
+                 "scene label, file or cache; several caches: each against the first")
+      ->capture_default_str();
   sub.add_option("--repeats", p.bench.repeats, "runs of each, the least counts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   sub.add_flag("--frames", p.bench.frames_only, "time relighting alone, without shadows");
   sub.add_option("--port-cycles", p.bench.port_cycles,
                  "cycles of the kernels from tests/bench/port_cycles.py");
+  sub.add_option_function<std::vector<std::string>>(
+      "--size", [&p](const auto& texts) { p.bench.sizes = parse_sizes(texts); },
+      "frames of this size, for instance 3840x2160, against 1280x720, both with 3 records a pixel "
+      "on average unless told otherwise");
   add_prepare(sub, p.bench.prepare);
 }
 

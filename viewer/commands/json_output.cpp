@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -34,7 +35,49 @@ std::string to_text(const Figure& figure) {
   return std::visit([](const auto& value) { return fmt::format("{}", value); }, figure);
 }
 
+bool same_names(const FigureRow& a, const FigureRow& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.first == y.first; });
+}
+
+/// One row as lines "name value".
+void append_lines(const FigureRow& row, std::string& text) {
+  for (const auto& [name, figure] : row) text += fmt::format("{:<18} {}\n", name, to_text(figure));
+}
+
+/// Rows of the same names: a line of names and one of values each; the first column to the left.
+void append_columns(std::span<const FigureRow> rows, std::string& text) {
+  std::vector<std::string> lines(rows.size() + 1);
+  for (size_t column = 0; column < rows[0].size(); ++column) {
+    std::vector<std::string> cells{rows[0][column].first};
+    for (const FigureRow& row : rows) cells.push_back(to_text(row[column].second));
+    size_t width = 0;
+    for (const std::string& cell : cells) width = std::max(width, cell.size());
+    for (size_t i = 0; i < cells.size(); ++i) {
+      lines[i] += column == 0 ? fmt::format("{:<{}}", cells[i], width)
+                              : fmt::format("  {:>{}}", cells[i], width);
+    }
+  }
+  for (const std::string& line : lines) text += line + "\n";
+}
+
 }  // namespace
+
+std::string format_table(std::span<const FigureRow> rows) {
+  std::string text;
+  for (size_t first = 0; first < rows.size();) {
+    size_t end = first + 1;
+    while (end < rows.size() && same_names(rows[first], rows[end])) ++end;
+    if (first > 0) text += "\n";
+    if (end - first == 1) {
+      append_lines(rows[first], text);
+    } else {
+      append_columns(rows.subspan(first, end - first), text);
+    }
+    first = end;
+  }
+  return text;
+}
 
 std::string format_figures(const std::string& schema, const CommonOptions& common,
                            const std::vector<FigureRow>& rows) {
@@ -60,10 +103,7 @@ void print_figures(const std::string& schema, const CommonOptions& common,
     fmt::print("{}", format_figures(schema, common, rows));
     return;
   }
-  for (const FigureRow& row : rows) {
-    for (const auto& [name, figure] : row) fmt::print("{:<18} {}\n", name, to_text(figure));
-    if (&row != &rows.back()) fmt::print("\n");
-  }
+  fmt::print("{}", format_table(rows));
 }
 
 }  // namespace relume

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -20,7 +21,11 @@ using FigureRow = std::vector<std::pair<std::string, Figure>>;
 std::string format_figures(const std::string& schema, const CommonOptions& common,
                            const std::vector<FigureRow>& rows);
 
-/// Prints rows on stdout: as JSON when asked for, else "name value" lines.
+/// The same to read: neighbouring rows of the same names as a table, a row by itself as lines
+/// "name value".
+std::string format_table(std::span<const FigureRow> rows);
+
+/// Prints rows on stdout: as JSON when asked for, else as a table.
 void print_figures(const std::string& schema, const CommonOptions& common,
                    const std::vector<FigureRow>& rows);
 

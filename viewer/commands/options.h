@@ -82,11 +82,18 @@ struct CompareOptions {
   std::optional<double> fail;  ///< exit 1 when eq. 7 over all pixels is above
 };
 
+/// Pixels.
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+
 struct BenchOptions {
-  std::string scene = "hair";
+  std::vector<std::string> inputs{"hair"};  ///< scene or cache; several: all are caches
   int repeats = 5;
   bool frames_only = false;  ///< no preprocess, no shadows: a cache needs no scene then
   std::optional<std::filesystem::path> port_cycles;  ///< see PortCycles
+  std::vector<PictureSize> sizes;  ///< compare frames of these with 1280x720, adaptive average 3
   PrepareOptions prepare;
 };
 

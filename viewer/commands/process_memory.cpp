@@ -1,6 +1,10 @@
 #include "viewer/commands/process_memory.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
+
+#include <fstream>
+#include <string>
 
 namespace relume {
 
@@ -8,6 +12,20 @@ uint64_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+uint64_t allocated_bytes() {
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+  const auto info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+#else
+  std::ifstream file("/proc/self/status");
+  for (std::string word; file >> word;) {
+    uint64_t kilobytes = 0;
+    if (word == "VmRSS:" && file >> kilobytes) return kilobytes * 1024;
+  }
+  return 0;
+#endif
 }
 
 }  // namespace relume

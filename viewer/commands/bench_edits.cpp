@@ -1,0 +1,59 @@
+#include "viewer/commands/bench_edits.h"
+
+#include <fmt/format.h>
+
+#include "viewer/commands/bench_relight.h"
+#include "viewer/commands/bench_time.h"
+#include "viewer/commands/process_memory.h"
+
+namespace relume {
+namespace {
+
+constexpr double most_layer_bytes = 6.0 * (1 << 30);
+
+double layer_bytes(const CacheInfo& info, int lights) {
+  return 3.0 * sizeof(float) * info.width * info.height * lights;
+}
+
+FigureRow gain_row(const RelightCache& cache, RepeatedFrame& one, int lights, int repeats) {
+  RepeatedFrame many(cache, lights);
+  const std::vector<double> ms =
+      least_ms_in_turn(repeats, {[&] { one.move_all(); }, [&] { many.dim_one(); }});
+  return {{"name", fmt::format("gain-{}-layers", lights)}, {"ms", ms[1]}, {"ratio", ms[1] / ms[0]}};
+}
+
+FigureRow drag_row(const RelightCache& cache, RepeatedFrame& one, int lights, int repeats) {
+  const auto before = static_cast<int64_t>(allocated_bytes());
+  RepeatedFrame many(cache, lights);
+  const auto bytes = static_cast<int64_t>(allocated_bytes()) - before;
+  const std::vector<double> ms =
+      least_ms_in_turn(repeats, {[&] { one.move_one(); }, [&] { many.move_one(); }});
+  return {{"name", fmt::format("drag-of-{}", lights)},
+          {"ms", ms[1]},
+          {"ratio", ms[1] / ms[0]},
+          {"state_bytes", bytes}};
+}
+
+FigureRow first_frame_row(const RelightCache& cache, RepeatedFrame& one, int lights) {
+  RepeatedFrame many(cache, lights);
+  const double ms = least_ms(1, [&] { many.start_again(); });
+  const double one_ms = least_ms(3, [&] { one.move_all(); });
+  return {{"name", fmt::format("first-frame-{}", lights)}, {"ms", ms}, {"ratio", ms / one_ms}};
+}
+
+}  // namespace
+
+std::vector<FigureRow> bench_edits(const RelightCache& cache, int repeats) {
+  RepeatedFrame one(cache, 1);
+  std::vector<FigureRow> rows{gain_row(cache, one, 16, repeats)};
+  const auto fits = [&](int n) { return layer_bytes(cache.info(), n) <= most_layer_bytes; };
+  for (const int lights : {1, 16, 64, 256}) {
+    if (fits(lights)) rows.push_back(drag_row(cache, one, lights, repeats));
+  }
+  for (const int lights : {1, 16, 64, 256}) {
+    if (fits(lights)) rows.push_back(first_frame_row(cache, one, lights));
+  }
+  return rows;
+}
+
+}  // namespace relume
