@@ -5,6 +5,7 @@
 
 #include "core/base/check.h"
 #include "reduction/allocation.h"
+#include "reduction/footprints.h"
 #include "reduction/merge.h"
 #include "reduction/methods/cmeans.h"
 #include "reduction/methods/kmeans.h"
@@ -19,12 +20,16 @@ LightFitParams fit_params(const ReductionParams& params) {
   return fit;
 }
 
+void clear(TypedRows& rows) {
+  rows.values.clear();
+  rows.weights.clear();
+  rows.footprints.clear();
+  rows.members.clear();
+}
+
 void clear(PixelRecords& records, size_t types) {
   records.resize(types);
-  for (TypedRows& rows : records) {
-    rows.values.clear();
-    rows.weights.clear();
-  }
+  for (TypedRows& rows : records) clear(rows);
 }
 
 int row_count(const PixelRecords& records) {
@@ -117,14 +122,15 @@ void PixelReducer::reduce_type(size_t type, int k, float weight, Random& random,
   if (light_metric_) {
     Random draws = make_random(type);
     merge_clusters(samples, light_metric_->cluster(static_cast<int>(type), k, params_, draws),
-                   weight, records);
+                   weight, records, params_.stored_members);
     return;
   }
   if (params_.method == ReductionMethod::kmeans) {
     make_raw_features(samples, features_);
     first_k_.resize(k);
     std::iota(first_k_.begin(), first_k_.end(), 0);
-    merge_clusters(samples, kmeans(features_, first_k_, params_.max_iterations), weight, records);
+    merge_clusters(samples, kmeans(features_, first_k_, params_.max_iterations), weight, records,
+                   params_.stored_members);
     return;
   }
   make_scaled_features(samples, params_.scene_radius, features_);
@@ -135,15 +141,16 @@ void PixelReducer::reduce_type(size_t type, int k, float weight, Random& random,
       merge_clusters(
           samples,
           strong_kmeans(features_, k, params_.restarts, params_.max_iterations, random, kmeans_),
-          weight, records);
+          weight, records, params_.stored_members);
       return;
     case ReductionMethod::kmedoids:
-      merge_clusters(samples, kmedoids(features_, k, params_.max_iterations), weight, records);
+      merge_clusters(samples, kmedoids(features_, k, params_.max_iterations), weight, records,
+                     params_.stored_members);
       return;
     case ReductionMethod::cmeans:
       merge_fuzzy_clusters(samples,
                            cmeans(features_, k, params_.restarts, params_.max_iterations, random),
-                           weight, records);
+                           weight, records, params_.stored_members);
       return;
     default:
       CHECK_MSG(false, "method {}", static_cast<int>(params_.method));
@@ -171,13 +178,14 @@ float PixelReducer::fit(const std::vector<int>& allocation, PixelRecords& record
   for (size_t t = 0; t < trial_.size(); ++t) {
     for (float& weight : trial_[t].weights) weight *= kept_scale;
     if (!light_fit_->fits_type(static_cast<int>(t))) continue;
-    trial_[t].values.clear();
-    trial_[t].weights.clear();
+    clear(trial_[t]);
   }
   for (const FittedRecord& record : fitted) {
     TypedRows& rows = trial_[record.type];
     rows.values.insert(rows.values.end(), record.vector.begin(), record.vector.end());
     rows.weights.push_back(record.weight * fitted_scale);
+    append_footprint(record.members, {record.vector[0], record.vector[1], record.vector[2]},
+                     params_.stored_members, rows);
   }
   const float fitted_error = predicted_error(trial_);
   if (!(fitted_error < error)) return error;

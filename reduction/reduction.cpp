@@ -78,6 +78,8 @@ SampleTile reduce_tile(const SampleTile& samples, std::span<const SampleType> ty
   result.width = samples.width;
   result.height = samples.height;
   result.types.resize(types.size());
+  result.has_footprints = true;
+  result.has_members = params.stored_members > 0;
   for (TypedRows& rows : result.types) rows.first.push_back(0);
   PixelReducer reducer(types, params, lights);
   PixelRecords records;
@@ -94,6 +96,9 @@ SampleTile reduce_tile(const SampleTile& samples, std::span<const SampleType> ty
       TypedRows& rows = result.types[t];
       rows.values.insert(rows.values.end(), records[t].values.begin(), records[t].values.end());
       rows.weights.insert(rows.weights.end(), records[t].weights.begin(), records[t].weights.end());
+      rows.footprints.insert(rows.footprints.end(), records[t].footprints.begin(),
+                             records[t].footprints.end());
+      rows.members.insert(rows.members.end(), records[t].members.begin(), records[t].members.end());
       rows.first.push_back(static_cast<uint32_t>(rows.rows()));
     }
   }

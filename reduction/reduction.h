@@ -73,6 +73,7 @@ struct ReductionParams {
   /// > 0: every pixel takes the k up to `records` of least predicted error + record_cost * k; see
   /// solve_record_cost. 0: k = `records` everywhere. In units of the picture.
   float record_cost = 0;
+  int stored_members = 0;      ///< positions a record keeps of its members, 0..max_members
   bool predict_error = false;  ///< fill SampleTile::predicted_error whatever the method
 };
 

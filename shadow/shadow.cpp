@@ -1,15 +1,20 @@
 #include "shadow/shadow.h"
 
+#include "shadow/members.h"
 #include "shadow/traced.h"
 
 namespace relume {
 
-std::unique_ptr<VisibilitySource> make_shadow(ShadowMethod method, const Tracer& tracer) {
+std::unique_ptr<VisibilitySource> make_shadow(ShadowMethod method, const Tracer& tracer,
+                                              const RelightCache& cache,
+                                              const ShadowParams& params) {
   switch (method) {
     case ShadowMethod::none:
       return nullptr;
     case ShadowMethod::ray:
       return std::make_unique<TracedVisibility>(tracer);
+    case ShadowMethod::members:
+      return std::make_unique<MemberVisibility>(tracer, cache, params.member_rays);
   }
   return nullptr;
 }

@@ -5,20 +5,30 @@
 
 #include "core/base/label.h"
 #include "core/relight/visibility.h"
+#include "core/samples/relight_cache.h"
 #include "core/trace/tracer.h"
 
 namespace relume {
 
 /// Shadow approximators. `none` sees every light from everywhere; `ray` traces one ray a receiver,
-/// from its anchor (TR2007-600 sec. 4.2).
-enum class ShadowMethod { none, ray };
+/// from its anchor (TR2007-600 sec. 4.2); `members` traces rays from the samples that a receiver
+/// stands for.
+enum class ShadowMethod { none, ray, members };
 
 inline constexpr std::array shadow_method_labels = {
     Label<ShadowMethod>{ShadowMethod::none, "none"},
     Label<ShadowMethod>{ShadowMethod::ray, "ray"},
+    Label<ShadowMethod>{ShadowMethod::members, "members"},
 };
 
-/// The approximator for `method`, or null for `none`. Keeps a reference to the tracer.
-std::unique_ptr<VisibilitySource> make_shadow(ShadowMethod method, const Tracer& tracer);
+struct ShadowParams {
+  int member_rays = max_members;  ///< `members`: rays a receiver, at most; 1 or more
+};
+
+/// The approximator for `method`, for receivers of `cache`, or null for `none`. Keeps references to
+/// tracer and cache. Throws Error(input) where the cache lacks what the method needs.
+std::unique_ptr<VisibilitySource> make_shadow(ShadowMethod method, const Tracer& tracer,
+                                              const RelightCache& cache,
+                                              const ShadowParams& params = {});
 
 }  // namespace relume

@@ -1,31 +1,6 @@
 #include "shadow/traced.h"
 
-#include "core/trace/ray_bias.h"
-
 namespace relume {
-
-void TracedVisibility::prepare(const Light& light) {
-  light_ = light;
-  to_light_ = -normalize_or(light.direction, vec3(0, -1, 0));
-  cos_outer_ = std::cos(radians_from_degrees(light.outer_angle_deg));
-}
-
-bool TracedVisibility::sees(vec3 position, const vec3* normal, bool lit_from_behind,
-                            float bias) const {
-  vec3 wi = to_light_;
-  float distance = std::numeric_limits<float>::infinity();
-  if (light_.type != LightType::directional) {
-    const dvec3 offset = dvec3(light_.position) - dvec3(position);
-    const double length = glm::length(offset);
-    if (!(length > 0)) return true;  // the light lies on the receiver: nothing is between them
-    distance = static_cast<float>(length);
-    wi = vec3(offset / length);
-  }
-  // Rays whose answer is multiplied by zero are not traced.
-  if (light_.type == LightType::spot && glm::dot(wi, to_light_) < cos_outer_) return true;
-  if (normal != nullptr && !lit_from_behind && glm::dot(*normal, wi) <= 0) return true;
-  return !tracer_.occluded(make_shadow_ray(position, normal, bias, wi, distance));
-}
 
 void TracedVisibility::visibility(const Receivers& receivers, float* visibility) const {
   const bool on_surface = receivers.normal[0] != nullptr;
@@ -38,10 +13,10 @@ void TracedVisibility::visibility(const Receivers& receivers, float* visibility)
     if (on_surface) {
       normal = vec3(receivers.normal[0][i], receivers.normal[1][i], receivers.normal[2][i]);
     }
-    visibility[i] =
-        sees(position, on_surface ? &normal : nullptr, receivers.lit_from_behind, receivers.bias[i])
-            ? 1.0f
-            : 0.0f;
+    visibility[i] = rays_.sees(position, on_surface ? &normal : nullptr, receivers.lit_from_behind,
+                               receivers.bias[i])
+                        ? 1.0f
+                        : 0.0f;
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/relight/visibility.h"
-#include "core/trace/tracer.h"
+#include "shadow/shadow_rays.h"
 
 namespace relume {
 
@@ -12,18 +12,13 @@ namespace relume {
 class TracedVisibility final : public VisibilitySource {
  public:
   /// Keeps a reference to `tracer`.
-  explicit TracedVisibility(const Tracer& tracer) : tracer_(tracer) {}
+  explicit TracedVisibility(const Tracer& tracer) : rays_(tracer) {}
 
-  void prepare(const Light& light) override;
+  void prepare(const Light& light) override { rays_.aim(light); }
   void visibility(const Receivers& receivers, float* visibility) const override;
 
  private:
-  bool sees(vec3 position, const vec3* normal, bool lit_from_behind, float bias) const;
-
-  const Tracer& tracer_;
-  Light light_;
-  vec3 to_light_{0, 1, 0};  ///< unit, against the light's direction
-  float cos_outer_ = 0;     ///< spot
+  ShadowRays rays_;
 };
 
 }  // namespace relume

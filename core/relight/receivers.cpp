@@ -3,18 +3,11 @@
 namespace relume {
 namespace {
 
-/// Where a type keeps its normal: float index within the sample vector, or -1.
-int normal_offset(const SampleType& type) {
-  for (size_t i = 0; i < type.field_count(); ++i) {
-    if (type.field(i).source == FieldSource::normal) return type.offsets[i];
-  }
-  return -1;
-}
-
-Receivers make_receivers(const SampleType& type, int normal, const float* slot) {
+Receivers make_receivers(const SampleType& type, int normal, const float* slot, size_t first) {
   const auto field = [slot](int i) { return slot + (1 + i) * block_lanes; };
   Receivers receivers;
   receivers.count = block_lanes;
+  receivers.first = first;
   receivers.weight = slot;
   const int position = type.offsets[position_field];
   for (int axis = 0; axis < 3; ++axis) {
@@ -26,22 +19,85 @@ Receivers make_receivers(const SampleType& type, int normal, const float* slot) 
   return receivers;
 }
 
+/// Calls visit(receivers) for each slot of a block.
+template <class Visit>
+void for_each_slot(const CacheInfo& info, const PackedBlock& block, const float* records,
+                   size_t first, const Visit& visit) {
+  for (size_t t = 0; t < info.types.size(); ++t) {
+    const SampleType& type = info.types[t];
+    const int normal = field_offset(type, FieldSource::normal);
+    for (int slot = 0; slot < block.slots[t]; ++slot) {
+      visit(make_receivers(type, normal, records, first));
+      records += (1 + type.width) * block_lanes;
+      first += block_lanes;
+    }
+  }
+}
+
+/// The parts of a tile that lie behind its records, slot after slot.
+struct FootprintReader {
+  const uint32_t* footprints;
+  const uint8_t* counts;
+  const PackedMember* members;
+
+  void read(bool on_surface, ReceiverGroup& group) {
+    group.members.clear();
+    if (footprints == nullptr) {
+      group.footprints.fill(Footprint());
+      return;
+    }
+    for (size_t lane = 0; lane < block_lanes; ++lane) {
+      FootprintWords words;
+      for (size_t i = 0; i < words.size(); ++i) words[i] = footprints[i * block_lanes + lane];
+      Footprint& footprint = group.footprints[lane];
+      footprint = decode_footprint(words);
+      footprint.stored_members = counts != nullptr ? counts[lane] : 0;
+      if (footprint.stored_members == 0) continue;
+      const float scale = member_scale(footprint);
+      for (int i = 0; i < footprint.stored_members; ++i) {
+        group.members.push_back(decode_member(*members++, scale, on_surface));
+      }
+    }
+    footprints += footprint_words * block_lanes;
+    if (counts != nullptr) counts += block_lanes;
+  }
+};
+
 }  // namespace
 
 void query_block(const CacheInfo& info, const PackedBlock& block, const float* records,
-                 const VisibilitySource& source, std::vector<float>& visibility) {
+                 size_t first, const VisibilitySource& source, std::vector<float>& visibility) {
   size_t slots = 0;
   for (size_t t = 0; t < info.types.size(); ++t) slots += block.slots[t];
   visibility.resize(slots * block_lanes);
-  float* out = visibility.data();
-  for (size_t t = 0; t < info.types.size(); ++t) {
-    const SampleType& type = info.types[t];
-    const int normal = normal_offset(type);
-    for (int slot = 0; slot < block.slots[t]; ++slot) {
-      source.visibility(make_receivers(type, normal, records), out);
-      records += (1 + type.width) * block_lanes;
-      out += block_lanes;
-    }
+  for_each_slot(info, block, records, first, [&](const Receivers& receivers) {
+    source.visibility(receivers, visibility.data() + (receivers.first - first));
+  });
+}
+
+ViewReceivers::ViewReceivers(const RelightCache& cache)
+    : cache_(cache), decoder_(cache, InstructionSet::automatic) {}
+
+size_t ViewReceivers::tile_first(size_t tile) const {
+  return tile < tile_count() ? cache_.tiles()[tile].first_slot * block_lanes : count();
+}
+
+void ViewReceivers::visit_tile(size_t tile,
+                               const std::function<void(const ReceiverGroup&)>& visit) const {
+  const PackedTile& packed = cache_.tiles()[tile];
+  FootprintReader reader{packed.footprints, packed.member_counts, packed.members};
+  size_t first = tile_first(tile);
+  std::vector<float> scratch;
+  ReceiverGroup group;
+  for (int b = 0; b < packed.block_count; ++b) {
+    const PackedBlock block = cache_.block(packed, b);
+    const float* records = decoder_.floats(block, scratch);
+    for_each_slot(cache_.info(), block, records, first, [&](const Receivers& receivers) {
+      group.receivers = receivers;
+      reader.read(receivers.normal[0] != nullptr, group);
+      visit(group);
+      first += block_lanes;
+    });
   }
 }
 

@@ -41,10 +41,13 @@ Image reference_layer(const RelightCache& cache, const Light& light,
   std::vector<float> decoded;
   std::vector<float> visibility;
   for (const PackedTile& tile : cache.tiles()) {
+    size_t receiver = tile.first_slot * block_lanes;
     for (int b = 0; b < tile.block_count; ++b) {
       const PackedBlock block = cache.block(tile, b);
       const float* records = decoder.floats(block, decoded);
-      if (shadows != nullptr) query_block(info, block, records, *shadows, visibility);
+      if (shadows != nullptr) query_block(info, block, records, receiver, *shadows, visibility);
+      for (size_t t = 0; t < info.types.size(); ++t)
+        receiver += size_t{block.slots[t]} * block_lanes;
       for (int lane = 0; lane < block.lanes; ++lane) {
         const dvec3 rgb = shade_lane(info, block, records, lane, light,
                                      shadows != nullptr ? visibility.data() : nullptr);

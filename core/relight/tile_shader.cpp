@@ -24,14 +24,26 @@ TileShader::TileShader(const RelightCache& cache, InstructionSet set)
 void TileShader::find_blocks(const PackedTile& tile, BlockRange range,
                              const VisibilitySource* shadows, TileScratch& scratch,
                              KernelBlock* blocks) const {
-  for (int b = range.first; b < range.end; ++b) {
+  const size_t types = cache_.info().types.size();
+  const auto known = shadows != nullptr ? shadows->all_visibility() : std::span<const float>();
+  CHECK_MSG(known.empty() || known.size() == cache_.slot_count() * block_lanes, "{} {}",
+            known.size(), cache_.slot_count());
+  size_t receiver = tile.first_slot * block_lanes;
+  for (int b = 0; b < range.end; ++b) {
     const PackedBlock block = cache_.block(tile, b);
+    const size_t first = receiver;
+    for (size_t t = 0; t < types; ++t) receiver += size_t{block.slots[t]} * block_lanes;
+    if (b < range.first) continue;
     KernelBlock& out = blocks[b - range.first];
     out = {block.words, block.frame, block.slots, nullptr};
     if (shadows == nullptr) continue;
-    const float* records = decoder_.floats(block, scratch.decoded);
-    query_block(cache_.info(), block, records, *shadows, scratch.visibility[b]);
-    out.visibility = scratch.visibility[b].data();
+    if (known.empty()) {
+      const float* records = decoder_.floats(block, scratch.decoded);
+      query_block(cache_.info(), block, records, first, *shadows, scratch.visibility[b]);
+      out.visibility = scratch.visibility[b].data();
+    } else {
+      out.visibility = known.data() + first;
+    }
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "core/scene/light.h"
 
 namespace relume {
@@ -7,6 +9,7 @@ namespace relume {
 /// Points that ask for visibility: `count` receivers, coordinates in separate arrays (world space).
 struct Receivers {
   int count = 0;
+  size_t first = 0;               ///< index of the first among all of its view, see ViewReceivers
   const float* weight = nullptr;  ///< 0 = padding: the answer is not used
   const float* position[3] = {};  ///< anchors
   const float* normal[3] = {};    ///< unit, faces the eye; all null on strands
@@ -15,7 +18,9 @@ struct Receivers {
 };
 
 /// What the relight engine asks of a shadow method (module shadow implements it). prepare() is
-/// called from one thread whenever the light moved; visibility() then from many threads at once.
+/// called from one thread whenever the light moved; the others then from many threads at once. A
+/// method either answers any receiver that comes, or learned those of one view when it was made
+/// (ViewReceivers) and knows them by index.
 class VisibilitySource {
  public:
   virtual ~VisibilitySource() = default;
@@ -26,6 +31,10 @@ class VisibilitySource {
   /// Writes the fraction of each receiver that sees the light, in [0, 1], to visibility[0, count).
   /// Padding receivers get an unspecified finite value. Const, thread-safe, no allocation.
   virtual void visibility(const Receivers& receivers, float* visibility) const = 0;
+
+  /// The same for all receivers of the view, by index, where prepare() did the work; else empty.
+  /// Then no record is decoded to ask for it. Valid until the next prepare().
+  virtual std::span<const float> all_visibility() const { return {}; }
 };
 
 }  // namespace relume

@@ -13,9 +13,12 @@ namespace relume {
 //   CacheHeader | tile chunks, each 64-byte aligned | info | TileEntry[tile_count]
 // The tiles are those of the image, row by row, and their chunks follow each other in that order.
 // A tile chunk: data (words of 4 bytes, see PackedBlock), block headers, coverage bytes; where the
-// info says so, pad to 4 and one float a pixel of predicted error. A block header: u32 first word
-// of the block's data | u8 lanes | u8 pixels[16] | pad to 24 | u16 slots[type_count] | packed
-// formats: pad to 4, float frame[6], float bias[type_count] | pad to 8.
+// info says so, pad to 4 and one float a pixel of predicted error; pad to 64 and per slot of the
+// tile, in the data's order, 16 lanes of each word of its records' footprints (footprint.h); per
+// slot 16 bytes of how many members each lane's record stored, and the members, lane by lane.
+// Shading without shadows reads none of the last three. A block header: u32 first word of the
+// block's data | u8 lanes | u8 pixels[16] | pad to 24 | u16 slots[type_count] | packed formats: pad
+// to 4, float frame[6], float bias[type_count] | pad to 8.
 
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
 inline constexpr uint32_t cache_version = 4;
@@ -66,6 +69,12 @@ constexpr size_t block_stride(size_t type_count, CacheFormat format) {
 constexpr size_t coverage_stride(size_t pixels) {
   return (pixels + 3) / 4 * 4;
 }
+
+/// Where the footprints start in a chunk whose pixels' parts end at byte `size`.
+constexpr size_t footprint_offset(size_t size) {
+  return (size + 63) / 64 * 64;
+}
+inline constexpr size_t footprint_slot_bytes = footprint_words * block_lanes * sizeof(uint32_t);
 
 /// XXH3 of `bytes`.
 uint64_t hash_bytes(std::span<const std::byte> bytes, uint64_t seed = 0);

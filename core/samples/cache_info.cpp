@@ -114,6 +114,8 @@ void visit_plain(Archive& archive, InfoRef& info) {
   archive.value(info.average_records);
   archive.value(info.target_error);
   visit_byte(archive, info.has_predicted_error, 2);
+  visit_byte(archive, info.has_footprints, 2);
+  visit_byte(archive, info.has_members, 2);
   visit_light(archive, info.representative_low);
   visit_light(archive, info.representative_high);
 }
@@ -167,6 +169,7 @@ void check_info(const CacheInfo& info, const Reader& reader, const std::string& 
                       glm::all(glm::lessThanEqual(bounds.low, bounds.high)))) {
     reader.fail("the scene bounds are not valid");
   }
+  if (info.has_members && !info.has_footprints) reader.fail("members need footprints");
   if (!is_finite(info.exposure)) reader.fail("the exposure is not finite");
   for (const float budget : {info.average_records, info.target_error}) {
     if (!(budget >= 0) || !is_finite(budget)) reader.fail("the budget is not valid");

@@ -59,14 +59,24 @@ void CacheWriter::add(const PackedTileData& tile) {
   if (directory_.empty()) {
     format_ = tile.format;
     has_predicted_error_ = has_error;
+    has_footprints_ = tile.has_footprints;
+    has_members_ = tile.has_members;
   }
   CHECK_MSG(tile.format == format_, "tile at {} {}", tile.x0, tile.y0);
-  CHECK_MSG(has_error == has_predicted_error_, "tile at {} {}", tile.x0, tile.y0);
+  CHECK_MSG(has_error == has_predicted_error_ && tile.has_footprints == has_footprints_ &&
+                tile.has_members == has_members_,
+            "tile at {} {}", tile.x0, tile.y0);
   if (has_error) {
     CHECK_MSG(tile.predicted_error.size() == tile.coverage.size(), "{} {}",
               tile.predicted_error.size(), tile.coverage.size());
     chunk.resize(align_up(chunk.size(), sizeof(float)));
     append_to(chunk, std::as_bytes(std::span(tile.predicted_error)));
+  }
+  if (has_footprints_) {
+    chunk.resize(footprint_offset(chunk.size()));
+    append_to(chunk, std::as_bytes(std::span(tile.footprints)));
+    append_to(chunk, std::as_bytes(std::span(tile.member_counts)));
+    append_to(chunk, std::as_bytes(std::span(tile.members)));
   }
   chunk.resize(align_up(chunk.size(), chunk_alignment));
   CHECK_MSG(size_ % chunk_alignment == 0, "size {}", size_);
@@ -89,6 +99,8 @@ void CacheWriter::finish(CacheInfo info) {
   info.record_count = record_count_;
   info.format = format_;
   info.has_predicted_error = has_predicted_error_;
+  info.has_footprints = has_footprints_;
+  info.has_members = has_members_;
   CacheHeader header;
   const std::vector<std::byte> encoded = encode_info(info);
   header.info_offset = size_;

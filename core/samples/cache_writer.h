@@ -17,11 +17,11 @@ class CacheWriter {
   /// Into `path`. Throws Error(output).
   explicit CacheWriter(const std::filesystem::path& path);
 
-  /// All tiles have one format, and carry a predicted error or none does.
+  /// All tiles have one format, and carry a predicted error, footprints or members or none does.
   void add(const PackedTileData& tile);
 
-  /// Writes info and directory. Counts of samples come in with `info`; record_count, format and
-  /// has_predicted_error follow from the tiles.
+  /// Writes info and directory. Counts of samples come in with `info`; record_count, format,
+  /// has_predicted_error, has_footprints and has_members follow from the tiles.
   /// File: renames it into place. Memory: take the result with take_bytes().
   void finish(CacheInfo info);
   CacheBytes take_bytes();
@@ -36,6 +36,8 @@ class CacheWriter {
   uint64_t record_count_ = 0;
   CacheFormat format_ = CacheFormat::exact;
   bool has_predicted_error_ = false;
+  bool has_footprints_ = false;
+  bool has_members_ = false;
   std::vector<TileEntry> directory_;
 };
 

@@ -69,6 +69,40 @@ void pack_slot(const RecordLayout& layout, const TypedRows& rows, std::span<cons
   }
 }
 
+/// Writes the footprints and members of one slot; lanes without a record get zeros.
+void pack_footprints(const SampleTile& tile, const TypedRows& rows, std::span<const int> lanes,
+                     uint32_t slot, std::span<const uint32_t> first_member,
+                     PackedTileData& packed) {
+  const size_t start = packed.footprints.size();
+  packed.footprints.resize(start + footprint_words * block_lanes);
+  for (size_t lane = 0; lane < block_lanes; ++lane) {
+    uint8_t count = 0;
+    if (lane < lanes.size() && rows_of(rows, lanes[lane]) > slot) {
+      const size_t row = size_t{rows.first[lanes[lane]]} + slot;
+      const FootprintWords words = encode_footprint(rows.footprints[row]);
+      for (size_t i = 0; i < words.size(); ++i) {
+        packed.footprints[start + i * block_lanes + lane] = words[i];
+      }
+      const float scale = member_scale(decode_footprint(words));
+      count = static_cast<uint8_t>(rows.footprints[row].stored_members);
+      for (size_t i = 0; i < count; ++i) {
+        packed.members.push_back(encode_member(rows.members[first_member[row] + i], scale));
+      }
+    }
+    if (tile.has_members) packed.member_counts.push_back(count);
+  }
+}
+
+/// Per row and one more: where its members start.
+std::vector<uint32_t> first_members(const TypedRows& rows) {
+  std::vector<uint32_t> first{0};
+  for (const Footprint& footprint : rows.footprints) {
+    first.push_back(first.back() + static_cast<uint32_t>(footprint.stored_members));
+  }
+  CHECK_MSG(first.back() == rows.members.size(), "{} {}", first.back(), rows.members.size());
+  return first;
+}
+
 /// Calls visit(type, sample vector) for each record of a block's pixels.
 template <class Visit>
 void for_each_vector(const SampleTile& tile, std::span<const SampleType> types,
@@ -126,7 +160,8 @@ float stored_error(float error, bool covered) {
 }
 
 void pack_block(const SampleTile& tile, std::span<const SampleType> types,
-                std::span<const int> lanes, const ViewAxes& axes, PackedTileData& packed) {
+                std::span<const int> lanes, const ViewAxes& axes,
+                std::span<const std::vector<uint32_t>> members, PackedTileData& packed) {
   std::vector<std::byte> header(block_stride(types.size(), packed.format));
   const auto first_word = static_cast<uint32_t>(packed.words.size());
   CHECK(packed.words.size() < uint64_t{1} << 32);
@@ -166,6 +201,7 @@ void pack_block(const SampleTile& tile, std::span<const SampleType> types,
       } else {
         pack_slot(layout, rows, lanes, slot, frame, axes, out);
       }
+      if (tile.has_footprints) pack_footprints(tile, rows, lanes, slot, members[t], packed);
     }
   }
   packed.blocks.insert(packed.blocks.end(), header.begin(), header.end());
@@ -184,6 +220,15 @@ PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> 
   packed.y0 = records.y0;
   packed.width = records.width;
   packed.height = records.height;
+  packed.has_footprints = records.has_footprints;
+  packed.has_members = records.has_members;
+  CHECK(!records.has_members || records.has_footprints);
+  std::vector<std::vector<uint32_t>> members;
+  for (const TypedRows& rows : records.types) {
+    if (!records.has_footprints) continue;
+    CHECK_MSG(rows.footprints.size() == rows.rows(), "{} {}", rows.footprints.size(), rows.rows());
+    members.push_back(first_members(rows));
+  }
   const std::vector<int> pixels = sorted_pixels(records);
   for (size_t i = 0; i < pixels.size();) {
     size_t lanes = 1;
@@ -191,7 +236,7 @@ PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> 
            share_of(records, pixels[i + lanes]) == share_of(records, pixels[i])) {
       ++lanes;
     }
-    pack_block(records, types, std::span(pixels).subspan(i, lanes), axes, packed);
+    pack_block(records, types, std::span(pixels).subspan(i, lanes), axes, members, packed);
     i += lanes;
   }
   for (int pixel = 0; pixel < records.pixel_count(); ++pixel) {

@@ -18,6 +18,11 @@ struct PackedTileData {
   std::vector<std::byte> blocks;       ///< block_count headers
   std::vector<uint8_t> coverage;       ///< width * height
   std::vector<float> predicted_error;  ///< width * height, 0 where coverage is 0; or empty
+  bool has_footprints = false;
+  bool has_members = false;
+  std::vector<uint32_t> footprints;    ///< per slot: 16 lanes of each of footprint_words words
+  std::vector<uint8_t> member_counts;  ///< per slot: 16 lanes
+  std::vector<PackedMember> members;   ///< slot by slot, lane by lane
 };
 
 struct PackParams {

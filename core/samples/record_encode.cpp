@@ -64,14 +64,6 @@ uint32_t encode_range(const PackedField& field, float value) {
   return round_to(steps / static_cast<double>(range_step(field)), 255);
 }
 
-vec2 fold_octahedron(vec3 direction) {
-  const vec3 d = normalize_or(direction, {0, 0, 1});
-  const vec2 p = vec2(d.x, d.y) / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
-  if (d.z >= 0) return p;
-  return {(1 - std::abs(p.y)) * (p.x < 0 ? -1.0f : 1.0f),
-          (1 - std::abs(p.x)) * (p.y < 0 ? -1.0f : 1.0f)};
-}
-
 uint32_t encode_color(dvec3 color) {
   const double largest = std::ldexp(511.0, 31 - color_exponent_bias);
   double brightest = 0;
@@ -92,6 +84,14 @@ uint32_t encode_color(dvec3 color) {
 }
 
 }  // namespace
+
+vec2 fold_octahedron(vec3 direction) {
+  const vec3 d = normalize_or(direction, {0, 0, 1});
+  const vec2 p = vec2(d.x, d.y) / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
+  if (d.z >= 0) return p;
+  return {(1 - std::abs(p.y)) * (p.x < 0 ? -1.0f : 1.0f),
+          (1 - std::abs(p.x)) * (p.y < 0 ? -1.0f : 1.0f)};
+}
 
 ViewAxes make_view_axes(const Camera& camera) {
   const vec3 forward = normalize_or(camera.target - camera.eye, {0, 0, -1});

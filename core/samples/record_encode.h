@@ -28,4 +28,8 @@ float packed_bias(const RecordLayout& layout, const BlockFrame& frame, const Vie
 void encode_record(const RecordLayout& layout, const float* values, float weight,
                    const BlockFrame& frame, const ViewAxes& axes, uint32_t* words);
 
+/// The point of the square [-1, 1]^2 that an octahedron around the unit sphere unfolds `direction`
+/// to (Cigolle et al. 2014).
+vec2 fold_octahedron(vec3 direction);
+
 }  // namespace relume

@@ -187,7 +187,39 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
     }
     if (!ok) corrupt(place, "a block lies outside its tile");
   }
+  if (info_.has_footprints) {
+    const uint64_t pixel_end =
+        entry.data_words * sizeof(uint32_t) + entry.block_count * stride + pixel_bytes;
+    check_footprints(entry, pixel_end, tile, place);
+  }
   return tile;
+}
+
+void RelightCache::check_footprints(const TileEntry& entry, uint64_t pixel_end, PackedTile& tile,
+                                    const std::string& place) const {
+  const uint64_t slots = slots_of(tile);
+  uint64_t end = footprint_offset(pixel_end);
+  const auto take = [&](uint64_t size) {
+    if (!inside(end, size, entry.size)) corrupt(place, "a tile's footprints do not fit into it");
+    const std::byte* part = bytes_.data() + entry.offset + end;
+    end += size;
+    return part;
+  };
+  tile.footprints = reinterpret_cast<const uint32_t*>(take(slots * footprint_slot_bytes));
+  if (!info_.has_members) return;
+  tile.member_counts = reinterpret_cast<const uint8_t*>(take(slots * block_lanes));
+  uint64_t members = 0;
+  for (uint64_t i = 0; i < slots * block_lanes; ++i) members += tile.member_counts[i];
+  tile.members = reinterpret_cast<const PackedMember*>(take(members * sizeof(PackedMember)));
+}
+
+uint64_t RelightCache::slots_of(const PackedTile& tile) const {
+  uint64_t slots = 0;
+  for (int b = 0; b < tile.block_count; ++b) {
+    const PackedBlock packed = block(tile, b);
+    for (size_t t = 0; t < info_.types.size(); ++t) slots += packed.slots[t];
+  }
+  return slots;
 }
 
 void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::string& place) {
@@ -211,6 +243,10 @@ void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::
       tiles_[i] = check_tile(read_entry(directory, i), place);
     }
   });
+  for (PackedTile& tile : tiles_) {
+    tile.first_slot = slot_count_;
+    slot_count_ += slots_of(tile);
+  }
 }
 
 PackedBlock RelightCache::block(const PackedTile& tile, int index) const {
@@ -234,6 +270,14 @@ int RelightCache::block_count(const PackedTile& tile, PixelShare share) const {
   int count = share == PixelShare::none ? 0 : tile.block_count;
   while (count > 0 && share_of(count - 1) > share) --count;
   return count;
+}
+
+size_t RelightCache::shading_bytes() const {
+  size_t size = 0;
+  for (const PackedTile& tile : tiles_) {
+    size += tile.coverage - reinterpret_cast<const uint8_t*>(tile.words);
+  }
+  return size;
 }
 
 std::vector<float> RelightCache::coverage() const {

@@ -8,6 +8,7 @@
 
 #include "core/base/file.h"
 #include "core/math/vec.h"
+#include "core/samples/footprint.h"
 #include "core/samples/pixel_share.h"
 #include "core/samples/record_layout.h"
 #include "core/samples/sample_type.h"
@@ -41,6 +42,8 @@ struct CacheInfo {
   uint64_t sample_count = 0;         ///< samples that hit, before reduction
   uint64_t record_count = 0;         ///< records stored, padding excluded
   bool has_predicted_error = false;  ///< tiles carry one predicted error a pixel
+  bool has_footprints = false;       ///< records carry theirs; else each is a sample
+  bool has_members = false;          ///< records carry some of their samples
   std::string scene_name;
   std::string scene_file;     ///< absolute path or built-in label
   std::string scene_text;     ///< the scene file's text
@@ -82,6 +85,11 @@ struct PackedTile {
   /// Per pixel of the tile, row-major: finite, >= 0, 0 where coverage is 0. Null when the cache has
   /// none. See SampleTile::predicted_error.
   const float* predicted_error = nullptr;
+  /// Of the tile's first slot, counted through the cache; 16 receivers (see Receivers) each.
+  uint64_t first_slot = 0;
+  const uint32_t* footprints = nullptr;    ///< per slot: footprint_words x 16; null = has none
+  const uint8_t* member_counts = nullptr;  ///< per slot: 16; null = has none
+  const PackedMember* members = nullptr;   ///< slot by slot, lane by lane
 };
 
 /// The packed, immutable records of one view: a memory-mapped .relume file or the same bytes in
@@ -106,8 +114,12 @@ class RelightCache {
   PackedBlock block(const PackedTile& tile, int index) const;
   /// The number of blocks that hold the pixels of `share`, the first of the tile.
   int block_count(const PackedTile& tile, PixelShare share) const;
+  /// Slots of all tiles and types; a slot is 16 records, missing ones included.
+  uint64_t slot_count() const { return slot_count_; }
   /// Bytes of the whole cache, header included.
   size_t size_bytes() const { return bytes_.size(); }
+  /// Bytes that shading without shadows reads: records and block headers.
+  size_t shading_bytes() const;
   /// Fraction of each pixel that geometry covers, row-major, in [0, 1] (8-bit precision).
   std::vector<float> coverage() const;
   /// Predicted error of each pixel, row-major, >= 0, in the units of the picture; 0 where there is
@@ -119,6 +131,9 @@ class RelightCache {
  private:
   RelightCache() = default;
   void parse(std::span<const ShaderInfo* const> shaders, const std::string& place);
+  void check_footprints(const TileEntry& entry, uint64_t pixel_end, PackedTile& tile,
+                        const std::string& place) const;
+  uint64_t slots_of(const PackedTile& tile) const;
   void check_order(std::span<const std::byte> directory, const std::string& place) const;
   PackedTile check_tile(const TileEntry& entry, const std::string& place) const;
 
@@ -129,6 +144,7 @@ class RelightCache {
   std::vector<RecordLayout> layouts_;
   ViewAxes view_axes_;
   std::vector<PackedTile> tiles_;
+  uint64_t slot_count_ = 0;
 };
 
 }  // namespace relume

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/samples/footprint.h"
 #include "core/samples/sample_type.h"
 
 namespace relume {
@@ -15,6 +16,11 @@ struct TypedRows {
   std::vector<float> values;    ///< rows x width
   std::vector<float> weights;   ///< rows; > 0
   std::vector<uint32_t> first;  ///< pixels + 1: pixel p owns rows [first[p], first[p + 1])
+  /// Reduced records only: rows, or empty where rows are samples.
+  std::vector<Footprint> footprints;
+  /// Members of row 0, then of row 1, ...: each row has footprints[row].stored_members. Rows of one
+  /// sample need none.
+  std::vector<Member> members;
 
   size_t rows() const { return weights.size(); }
 };
@@ -35,6 +41,8 @@ struct SampleTile {
   /// Records only, per pixel or empty: the RMS over RGB and over lights held back from the fit of
   /// what reduction changed, unshadowed, in the units of the picture.
   std::vector<float> predicted_error;
+  bool has_footprints = false;  ///< rows have them, whether there are rows or not
+  bool has_members = false;     ///< rows of two or more samples may have stored members
 
   int pixel_count() const { return width * height; }
   size_t row_count() const {

@@ -21,6 +21,13 @@ SampleType apply_merges(SampleType type, const Material& material) {
 
 }  // namespace
 
+int field_offset(const SampleType& type, FieldSource source) {
+  for (size_t i = 0; i < type.field_count(); ++i) {
+    if (type.field(i).source == source) return type.offsets[i];
+  }
+  return -1;
+}
+
 SampleType make_sample_type(const ShaderInfo& shader) {
   SampleType type;
   type.name = shader.name;

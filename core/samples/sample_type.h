@@ -30,6 +30,9 @@ struct SampleTypes {
   std::vector<uint16_t> type_of_material;
 };
 
+/// First float, within a sample vector, of the type's first field of this source; -1 = has none.
+int field_offset(const SampleType& type, FieldSource source);
+
 SampleType make_sample_type(const ShaderInfo& shader);
 SampleTypes make_sample_types(const Scene& scene);
 

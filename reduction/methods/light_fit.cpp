@@ -143,8 +143,14 @@ FitRecord choose_anchor(const FitPixel& pixel, const Cluster& cluster, float mu)
 }
 
 FittedRecord finish_record(const FitPixel& pixel, const Cluster& cluster, const FitRecord& fitted) {
-  FittedRecord record{fitted.type, pixel.weight * static_cast<float>(cluster.members.size()),
-                      fitted.vector};
+  FittedRecord record{
+      fitted.type, pixel.weight * static_cast<float>(cluster.members.size()), fitted.vector, {}};
+  for (const int i : cluster.members) {
+    const FitSample& sample = pixel.samples[i];
+    const bool is_strand = pixel.evaluator.is_axis(sample.type);
+    record.members.push_back(
+        {sample.vector, is_strand ? -1 : pixel.evaluator.direction_offset(sample.type)});
+  }
   for (int k = 0; k < pixel.evaluator.lobe_count(fitted.type); ++k) {
     for (int c = 0; c < 3; ++c) {
       record.vector[pixel.evaluator.color_offset(fitted.type, k) + c] =

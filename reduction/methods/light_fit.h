@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/random.h"
+#include "reduction/footprints.h"
 #include "reduction/methods/light_fit_pixel.h"
 
 namespace relume {
@@ -28,6 +29,7 @@ struct FittedRecord {
   int type = 0;
   float weight = 0;  ///< sum of its members' weights
   std::vector<float> vector;
+  std::vector<PlacedSample> members;  ///< whatever their types; point into the loaded samples
 };
 
 /// Fits the records of one pixel after the other: load() one, then fit() for any k. Buffers are

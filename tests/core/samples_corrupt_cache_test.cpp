@@ -3,6 +3,7 @@
 #include <cstring>
 #include <functional>
 
+#include "core/relight/receivers.h"
 #include "core/samples/cache_writer.h"
 #include "core/shade/shaders.h"
 #include "tests/support/expect_error.h"
@@ -17,7 +18,23 @@ using namespace test;  // NOLINT: record builders
 
 using Bytes = std::vector<std::byte>;
 
-/// A valid cache of two tiles with predicted errors.
+/// Gives each record a footprint, and every second two stored members.
+void fill_footprints(SampleTile& tile) {
+  tile.has_footprints = true;
+  tile.has_members = true;
+  for (TypedRows& rows : tile.types) {
+    rows.footprints.assign(rows.rows(), Footprint());
+    for (size_t row = 0; row < rows.rows(); row += 2) {
+      Footprint& footprint = rows.footprints[row];
+      footprint.samples = 5;
+      footprint.covariance = {1, 0, 0, 1, 0, 0};
+      footprint.stored_members = 2;
+      rows.members.insert(rows.members.end(), 2, Member());
+    }
+  }
+}
+
+/// A valid cache of two tiles with predicted errors, footprints and members.
 Bytes make_valid() {
   const std::vector<SampleType> types = all_sample_types();
   CacheWriter writer;
@@ -26,6 +43,8 @@ Bytes make_valid() {
   right.x0 = 16;
   fill_predicted_error(left);
   fill_predicted_error(right);
+  fill_footprints(left);
+  fill_footprints(right);
   writer.add(pack_tile(left, types));
   writer.add(pack_tile(right, types));
   CacheInfo info = make_tile_info(left, types, {0, 0, 5});
@@ -64,6 +83,13 @@ void use(const Bytes& bytes) {
   for (const float count : cache.record_counts()) sum = sum + count;
   for (const float error : cache.predicted_error()) {
     EXPECT_TRUE(is_finite(error) && error >= 0) << error;
+  }
+  const ViewReceivers view(cache);
+  for (size_t t = 0; t < view.tile_count(); ++t) {
+    view.visit_tile(t, [&](const ReceiverGroup& group) {
+      for (const Footprint& footprint : group.footprints) EXPECT_TRUE(is_finite(footprint.offset));
+      for (const Member& member : group.members) sum = sum + member.offset.x;
+    });
   }
 }
 
@@ -207,7 +233,8 @@ TEST(CorruptCache, ForgedBlocksNeverReadOutside) {
   TileEntry entry;
   std::memcpy(&entry, &valid[header.directory_offset], sizeof(entry));
   const size_t begin = entry.offset + entry.data_words * sizeof(float);
-  const size_t end = begin + entry.block_count * block_stride(all_sample_types().size(), CacheFormat::exact);
+  const size_t end =
+      begin + entry.block_count * block_stride(all_sample_types().size(), CacheFormat::exact);
   int refused = 0;
   for (size_t i = begin; i < end; ++i) {
     Bytes forged = valid;
@@ -266,9 +293,45 @@ TEST(CorruptCache, TilesWithoutRoomForPredictedErrorsAreRefused) {
     forge_entry(forged, 0, [&](TileEntry& e) { e.size = begin + kept - e.offset; });
     EXPECT_ERROR(use(forged), ErrorKind::input, "a tile's parts do not fit into it");
   }
+}
+
+TEST(CorruptCache, TilesWithoutRoomForFootprintsAreRefused) {
+  const Bytes valid = make_valid();
+  const RelightCache cache = RelightCache::from_bytes(to_chunks(valid), shader_table(), "evil");
+  const auto slots = static_cast<size_t>(cache.tiles()[1].first_slot);
+  const size_t pixel_end = coverage_offset(valid) + 80 + 320;
+  const size_t footprints = footprint_offset(pixel_end);
+  const size_t counts = footprints + slots * footprint_slot_bytes;
+  size_t members = 0;
+  for (size_t i = 0; i < slots * block_lanes; ++i)
+    members += static_cast<size_t>(valid[counts + i]);
+  ASSERT_GT(members, 0u);
+  const size_t end = counts + slots * block_lanes + members * sizeof(PackedMember);
+  for (const size_t kept : {pixel_end, footprints, footprints + 1, counts - 1, counts,
+                            counts + slots * block_lanes, end - 1}) {
+    Bytes forged = valid;
+    forge_entry(forged, 0, [&](TileEntry& e) { e.size = kept - e.offset; });
+    EXPECT_ERROR(use(forged), ErrorKind::input, "a tile's footprints do not fit into it");
+  }
   Bytes exact = valid;
-  forge_entry(exact, 0, [&](TileEntry& e) { e.size = begin + 80 + 320 - e.offset; });
+  forge_entry(exact, 0, [&](TileEntry& e) { e.size = end - e.offset; });
   EXPECT_NO_THROW(use(exact));
+  // More members than there is room for.
+  Bytes forged = valid;
+  forged[counts] = std::byte{255};
+  forge_entry(forged, 0, [](TileEntry&) {});
+  EXPECT_ERROR(use(forged), ErrorKind::input, "a tile's footprints do not fit into it");
+}
+
+TEST(CorruptCache, AnyFootprintBitsAreSound) {
+  const Bytes valid = make_valid();
+  const size_t footprints = footprint_offset(coverage_offset(valid) + 80 + 320);
+  for (const int value : {0x00, 0x7f, 0x80, 0xff}) {
+    Bytes forged = valid;
+    std::fill_n(&forged[footprints], footprint_slot_bytes, static_cast<std::byte>(value));
+    forge_entry(forged, 0, [](TileEntry&) {});
+    EXPECT_NO_THROW(use(forged));
+  }
 }
 
 TEST(CorruptCache, PredictedErrorsThatWereNeverWrittenAreRefused) {

@@ -349,7 +349,10 @@ TEST(PixelReducer, ReportsSamplesAndCoverage) {
 TEST(PixelReducer, APixelWithoutSamplesHasNoRecordsAndNoError) {
   Setting setting;
   setting.tile.width = setting.tile.height = 1;
-  for (TypedRows& rows : setting.tile.types) rows = {{}, {}, {0, 0}};
+  for (TypedRows& rows : setting.tile.types) {
+    rows = TypedRows();
+    rows.first = {0, 0};
+  }
   for (const ReductionMethod method : budget_methods) {
     ReductionParams params = make_params(method, 8);
     params.record_cost = 1e-3f;

@@ -183,8 +183,10 @@ TEST(TracedVisibility, InstancedAndFlattenedAgree) {
 TEST(ShadowMethods, MakeWhatTheyName) {
   const Scene scene = make_empty_sky();
   const Tracer tracer(scene);
-  EXPECT_EQ(make_shadow(ShadowMethod::none, tracer), nullptr);
-  EXPECT_NE(make_shadow(ShadowMethod::ray, tracer), nullptr);
+  const RelightCache cache = make_full_cache(scene, tracer, 1);
+  EXPECT_EQ(make_shadow(ShadowMethod::none, tracer, cache), nullptr);
+  EXPECT_NE(make_shadow(ShadowMethod::ray, tracer, cache), nullptr);
+  EXPECT_NE(make_shadow(ShadowMethod::members, tracer, cache), nullptr);
 }
 
 }  // namespace

@@ -68,6 +68,7 @@ inline SessionParts make_fake_parts(const FakeSessionOptions& options = {}) {
   info.spp = 25;
   info.record_count = 123456;
   info.can_trace = true;
+  info.has_members = true;
   for (int y = 0; y < info.height; ++y) {
     for (int x = 0; x < info.width; ++x) {
       info.record_counts.push_back(static_cast<float>(20 * x / info.width));

@@ -32,7 +32,7 @@ TEST(CacheSession, FrameIsTheCacheRelitWithTheViewsLights) {
   Prepared prepared;
   const RelightCache same = prepared.prepare(ReductionMethod::strong_kmeans);
   RelightState expected = make_relight_state(same);
-  const auto shadows = make_shadow(ShadowMethod::ray, *prepared.tracer);
+  const auto shadows = make_shadow(ShadowMethod::ray, *prepared.tracer, same);
   RelightCache cache = prepared.prepare(ReductionMethod::strong_kmeans);
   RelightCache all = prepared.prepare(ReductionMethod::all);
   Session session = make_session(std::move(prepared.scene), std::move(prepared.tracer),
@@ -67,11 +67,12 @@ TEST(CacheSession, HeatmapComparesWithEverySample) {
   RelightCache cache = prepared.prepare(ReductionMethod::strong_kmeans);
   RelightCache all = prepared.prepare(ReductionMethod::all);
   const RelightCache all_too = prepared.prepare(ReductionMethod::all);
-  const auto shadows = make_shadow(ShadowMethod::ray, *prepared.tracer);
+  const auto shadows = make_shadow(ShadowMethod::ray, *prepared.tracer, same);
+  const auto traced = make_shadow(ShadowMethod::ray, *prepared.tracer, all_too);
   RelightState frame = make_relight_state(same);
   RelightState reference = make_relight_state(all_too);
   relight(frame, prepared.scene->lights, shadows.get());
-  relight(reference, prepared.scene->lights, shadows.get());
+  relight(reference, prepared.scene->lights, traced.get());
   const ImageError expected = compare_images(frame.frame, reference.frame, same.coverage());
 
   Session session = make_session(std::move(prepared.scene), std::move(prepared.tracer),

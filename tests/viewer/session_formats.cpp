@@ -47,7 +47,7 @@ class CacheFormats : public testing::TestWithParam<FormatBound> {
 TEST_P(CacheFormats, StayWithinTheirErrors) {
   const RelightCache exact = prepare(CacheFormat::exact);
   const RelightCache packed = prepare(GetParam().format);
-  const auto rays = make_shadow(ShadowMethod::ray, tracer_);
+  const auto rays = make_shadow(ShadowMethod::ray, tracer_, exact);
   for (VisibilitySource* shadows : {static_cast<VisibilitySource*>(nullptr), rays.get()}) {
     const ImageError measured =
         compare_images(render(packed, shadows), render(exact, shadows), exact.coverage());

@@ -38,8 +38,8 @@ void bench_session(const RelightInput& input, int repeats, double floor_ms,
                    std::vector<FigureRow>& rows) {
   const RelightCache& cache = *input.cache;
   const CacheInfo& info = cache.info();
-  const auto bytes = static_cast<double>(cache.size_bytes());
-  const auto shadows = make_shadow(ShadowMethod::ray, *input.tracer);
+  const auto bytes = static_cast<double>(cache.shading_bytes());
+  const auto shadows = make_shadow(ShadowMethod::ray, *input.tracer, cache);
   RelightState state = make_relight_state(cache);
   relight(state, info.lights, shadows.get());
   std::vector<Light> lights = info.lights;

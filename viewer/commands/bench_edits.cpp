@@ -15,11 +15,18 @@ double layer_bytes(const CacheInfo& info, int lights) {
   return 3.0 * sizeof(float) * info.width * info.height * lights;
 }
 
-FigureRow gain_row(const RelightCache& cache, RepeatedFrame& one, int lights, int repeats) {
+/// A gain set once, and a gain that is dragged.
+std::vector<FigureRow> gain_rows(const RelightCache& cache, RepeatedFrame& one, int lights,
+                                 int repeats) {
   RepeatedFrame many(cache, lights);
-  const std::vector<double> ms =
-      least_ms_in_turn(repeats, {[&] { one.move_all(); }, [&] { many.dim_one(); }});
-  return {{"name", fmt::format("gain-{}-layers", lights)}, {"ms", ms[1]}, {"ratio", ms[1] / ms[0]}};
+  RepeatedFrame dragged(cache, lights);
+  const std::vector<double> ms = least_ms_in_turn(
+      repeats, {[&] { one.move_all(); }, [&] { many.dim_one(); }, [&] { dragged.drag_gain(); }});
+  const auto row = [&](const char* name, double time) {
+    return FigureRow{
+        {"name", fmt::format("{}-{}-layers", name, lights)}, {"ms", time}, {"ratio", time / ms[0]}};
+  };
+  return {row("gain", ms[1]), row("gain-drag", ms[2])};
 }
 
 FigureRow drag_row(const RelightCache& cache, RepeatedFrame& one, int lights, int repeats) {
@@ -27,7 +34,7 @@ FigureRow drag_row(const RelightCache& cache, RepeatedFrame& one, int lights, in
   RepeatedFrame many(cache, lights);
   const auto bytes = static_cast<int64_t>(allocated_bytes()) - before;
   const std::vector<double> ms =
-      least_ms_in_turn(repeats, {[&] { one.move_one(); }, [&] { many.move_one(); }});
+      least_ms_in_turn(repeats, {[&] { one.drag_one(); }, [&] { many.drag_one(); }});
   return {{"name", fmt::format("drag-of-{}", lights)},
           {"ms", ms[1]},
           {"ratio", ms[1] / ms[0]},
@@ -45,7 +52,7 @@ FigureRow first_frame_row(const RelightCache& cache, RepeatedFrame& one, int lig
 
 std::vector<FigureRow> bench_edits(const RelightCache& cache, int repeats) {
   RepeatedFrame one(cache, 1);
-  std::vector<FigureRow> rows{gain_row(cache, one, 16, repeats)};
+  std::vector<FigureRow> rows = gain_rows(cache, one, 16, repeats);
   const auto fits = [&](int n) { return layer_bytes(cache.info(), n) <= most_layer_bytes; };
   for (const int lights : {1, 16, 64, 256}) {
     if (fits(lights)) rows.push_back(drag_row(cache, one, lights, repeats));

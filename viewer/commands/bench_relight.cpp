@@ -32,9 +32,11 @@ void RepeatedFrame::move(Light& light) const {
   light.direction.x += 1e-4f;
 }
 
-void RepeatedFrame::relight_now() {
+void RepeatedFrame::relight_now(bool dragging) {
+  params_.dragging = dragging;
   const RelightStats stats = relight(state_, lights_, shadows_, params_);
-  work_ = make_frame_work(cache_, stats.layers_shaded, lights());
+  const int layers = state_.others_of ? 2 : lights();
+  work_ = make_frame_work(cache_, stats.layers_shaded, layers);
 }
 
 void RepeatedFrame::move_all() {
@@ -42,9 +44,14 @@ void RepeatedFrame::move_all() {
   relight_now();
 }
 
-void RepeatedFrame::move_one() {
+void RepeatedFrame::drag_one() {
   move(lights_[lights_.size() / 2]);
-  relight_now();
+  relight_now(true);
+}
+
+void RepeatedFrame::drag_gain() {
+  lights_[lights_.size() / 2].gain *= 1.001f;
+  relight_now(true);
 }
 
 void RepeatedFrame::dim_one() {
@@ -53,7 +60,7 @@ void RepeatedFrame::dim_one() {
 }
 
 void RepeatedFrame::start_again() {
-  state_ = RelightState();
+  state_.layers.clear();  // the old memory goes first
   state_ = make_relight_state(cache_);
   relight_now();
 }

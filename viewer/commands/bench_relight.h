@@ -19,7 +19,10 @@ class RepeatedFrame {
                 VisibilitySource* shadows = nullptr);
 
   void move_all();
-  void move_one();
+  /// As a person drags a light or its gain.
+  void drag_one();
+  void drag_gain();
+  /// The same gain once, summed in order.
   void dim_one();
   /// Every light anew, into fresh memory.
   void start_again();
@@ -30,7 +33,7 @@ class RepeatedFrame {
 
  private:
   void move(Light& light) const;
-  void relight_now();
+  void relight_now(bool dragging = false);
 
   const RelightCache& cache_;
   std::vector<Light> lights_;

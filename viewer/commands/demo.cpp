@@ -35,7 +35,7 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
   make_folder(folder);
   const CacheInfo& info = input.cache->info();
   const DisplayTransform display{.exposure = info.exposure};
-  const auto shadows = make_shadow(ShadowMethod::ray, *input.tracer);
+  const auto shadows = make_shadow(ShadowMethod::ray, *input.tracer, *input.cache);
   RelightState state = make_relight_state(*input.cache);
   relight(state, info.lights, shadows.get());
   const double first_picture_ms = timer.ms();
@@ -49,7 +49,8 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
       prepare_in_memory(*input.scene, *input.tracer, make_prepare_params(all, common),
                         make_terminal_progress(common.quiet));
   RelightState reference = make_relight_state(samples);
-  const RelightStats reference_stats = relight(reference, info.lights, shadows.get());
+  const auto traced = make_shadow(ShadowMethod::ray, *input.tracer, samples);
+  const RelightStats reference_stats = relight(reference, info.lights, traced.get());
   save_frame(reference, display, folder / "reference.png");
   const ImageError error = compare_images(state.frame, reference.frame, samples.coverage());
   write_png(folder / "heatmap.png",

@@ -9,7 +9,8 @@
 namespace relume {
 namespace {
 
-/// Budgets of 0 are none; means are over covered pixels.
+/// Budgets of 0 are none; footprints and members: 1 where the cache has them; means are over
+/// covered pixels.
 FigureRow describe_cache(const std::filesystem::path& path) {
   const RelightCache cache = RelightCache::open(path, shader_table());
   const CacheInfo& info = cache.info();
@@ -32,6 +33,8 @@ FigureRow describe_cache(const std::filesystem::path& path) {
                    {"sample_count", static_cast<int64_t>(info.sample_count)},
                    {"record_count", static_cast<int64_t>(info.record_count)},
                    {"records_per_pixel", mean_covered(cache.record_counts(), coverage)},
+                   {"footprints", int64_t{info.has_footprints}},
+                   {"members", int64_t{info.has_members}},
                    {"bytes", static_cast<int64_t>(cache.size_bytes())}};
   if (info.has_predicted_error) {
     row.push_back({"predicted_error", mean_covered(cache.predicted_error(), coverage)});

@@ -31,6 +31,7 @@ struct PrepareOptions {
   ReductionMethod method = ReductionMethod::strong_kmeans;
   std::optional<int> records;  ///< k; default 8, or at most 16 under a budget
   RecordBudget budget;
+  std::optional<int> members;  ///< positions kept of what a record stands for; default 0
   bool predict_error = false;
   CacheFormat format = CacheFormat::exact;
   int training_lights = 200;

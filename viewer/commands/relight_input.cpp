@@ -47,6 +47,11 @@ bool is_cache_path(const std::string& path) {
   return std::filesystem::path(path).extension() == ".relume";
 }
 
+PrepareOptions prepare_for(ShadowMethod shadow, PrepareOptions options) {
+  if (shadow == ShadowMethod::members && !options.members) options.members = max_members;
+  return options;
+}
+
 PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOptions& common) {
   PrepareParams params;
   params.spp = options.spp;
@@ -79,6 +84,7 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
   }
   params.budget = options.budget;
   params.reduction.predict_error = options.predict_error;
+  params.reduction.stored_members = options.members.value_or(0);
   params.reduction.records = options.records.value_or(options.budget.is_set() ? 16 : 8);
   params.reduction.seed = common.seed;
   params.training.seed = common.seed;

@@ -25,6 +25,9 @@ RelightInput open_scene(const std::string& name_or_path, const CommonOptions& co
 RelightInput open_input(const std::string& input, const PrepareOptions& prepare, bool need_tracer,
                         const CommonOptions& common);
 
+/// `options` with what `shadow` needs of a cache, where nothing else was asked for.
+PrepareOptions prepare_for(ShadowMethod shadow, PrepareOptions options);
+
 /// The same choices as the library's parameters.
 PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOptions& common);
 

@@ -34,14 +34,15 @@ RenderOptions resolve_reference(RenderOptions options) {
 int run_render(const RenderOptions& asked, const CommonOptions& common) {
   const RenderOptions options = resolve_reference(asked);
   const Timer timer;
-  const RelightInput input =
-      open_input(options.input, options.prepare, options.shadow != ShadowMethod::none, common);
+  const RelightInput input = open_input(options.input, prepare_for(options.shadow, options.prepare),
+                                        options.shadow != ShadowMethod::none, common);
   const CacheInfo& info = input.cache->info();
   const double prepare_ms = timer.ms();
   if (options.predicted_error) save_predicted_error(*input.cache, *options.predicted_error);
   if (options.record_map) save_record_map(*input.cache, *options.record_map);
 
-  const auto shadows = input.tracer ? make_shadow(options.shadow, *input.tracer) : nullptr;
+  const auto shadows =
+      input.tracer ? make_shadow(options.shadow, *input.tracer, *input.cache) : nullptr;
   RelightState state = make_relight_state(*input.cache);
   const RelightStats stats = relight(state, choose_lights(options, info), shadows.get(),
                                      {.instruction_set = options.instruction_set});

@@ -53,7 +53,8 @@ int open_window([[maybe_unused]] RelightInput input, [[maybe_unused]] const Prep
 }
 
 int run_view(const ViewOptions& options, const CommonOptions& common) {
-  RelightInput input = open_input(options.input, options.prepare, true, common);
+  RelightInput input =
+      open_input(options.input, prepare_for(options.shadow, options.prepare), true, common);
 #if defined(RELUME_HAS_VIEWER)
   if (options.offscreen) {
     const Script script = options.script ? load_script(*options.script) : default_script();

@@ -106,8 +106,10 @@ void view_panel(UiState& ui, Session& session) {
   row_label("curve");
   choose(ui, "view.curve", tone_curve_labels, view.display.curve);
   row_label("shadows");
-  choose(ui, "shadows", shadow_method_labels, view.shadows,
-         [&](ShadowMethod method) { return method == ShadowMethod::none || info.can_trace; });
+  choose(ui, "shadows", shadow_method_labels, view.shadows, [&](ShadowMethod method) {
+    if (method == ShadowMethod::none) return true;
+    return info.can_trace && (method != ShadowMethod::members || info.has_members);
+  });
   row_label("heatmap");
   choose(ui, "heatmap", heat_range_labels, view.heat_range);
 }

@@ -26,7 +26,7 @@ class CacheSource final : public FrameSource {
       throw input_error("shadows", "the scene of this cache is not loaded",
                         "set shadows to none, or open the scene instead of the cache");
     }
-    shadows_ = method == ShadowMethod::none ? nullptr : make_shadow(method, *tracer_);
+    shadows_ = method == ShadowMethod::none ? nullptr : make_shadow(method, *tracer_, cache_);
     method_ = method;
     invalidate(state_);
   }

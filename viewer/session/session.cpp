@@ -230,7 +230,8 @@ Session make_session(std::unique_ptr<const Scene> scene, std::unique_ptr<const T
                 .coverage = frames.coverage(),
                 .predicted_error = frames.predicted_error(),
                 .record_counts = frames.record_counts(),
-                .can_trace = tracer != nullptr};
+                .can_trace = tracer != nullptr,
+                .has_members = cache.has_members || !cache.has_footprints};
   parts.view.lights = cache.lights;
   parts.view.selected_light = cache.lights.empty() ? -1 : 0;
   parts.view.shadows = tracer ? ShadowMethod::ray : ShadowMethod::none;

@@ -30,6 +30,7 @@ struct SessionInfo {
   std::vector<float> predicted_error;  ///< per pixel, see RelightCache; empty = the cache has none
   std::vector<float> record_counts;    ///< per pixel, see RelightCache
   bool can_trace = false;              ///< traced shadows are available
+  bool has_members = false;            ///< shadow rays from members are, too
   bool has_reference = false;
 };
 

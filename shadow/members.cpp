@@ -1,0 +1,75 @@
+#include "shadow/members.h"
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+
+namespace relume {
+namespace {
+
+vec3 vector_at(const float* const (&arrays)[3], int i) {
+  return {arrays[0][i], arrays[1][i], arrays[2][i]};
+}
+
+}  // namespace
+
+MemberVisibility::MemberVisibility(const Tracer& tracer, const RelightCache& cache, int rays)
+    : view_(cache), rays_(tracer), ray_count_(rays), visibility_(view_.count(), 1.0f) {
+  CHECK_MSG(rays >= 1, "rays {}", rays);
+  if (rays > 1 && view_.has_footprints() && !view_.has_members()) {
+    throw input_error(view_.info().scene_name, "its cache keeps no members for shadow rays",
+                      "prepare it with --members 255, or choose other shadows");
+  }
+}
+
+void MemberVisibility::prepare(const Light& light) {
+  rays_.aim(light);
+  parallel_for(view_.tile_count(), 1, [this](size_t begin, size_t end) {
+    for (size_t tile = begin; tile < end; ++tile) {
+      view_.visit_tile(tile, [this](const ReceiverGroup& group) {
+        trace_group(group, &visibility_[group.receivers.first]);
+      });
+    }
+  });
+}
+
+void MemberVisibility::trace_group(const ReceiverGroup& group, float* visibility) const {
+  const Receivers& receivers = group.receivers;
+  const bool on_surface = receivers.normal[0] != nullptr;
+  const Member* stored = group.members.data();
+  for (int i = 0; i < receivers.count; ++i) {
+    const Footprint& footprint = group.footprints[i];
+    const Member* members = stored;
+    stored += footprint.stored_members;
+    if (!(receivers.weight[i] > 0)) continue;
+    const vec3 anchor = vector_at(receivers.position, i);
+    const int rays = std::min(ray_count_, footprint.stored_members);
+    if (rays <= 1) {
+      const vec3 normal = on_surface ? vector_at(receivers.normal, i) : vec3(0);
+      visibility[i] = rays_.sees(anchor, on_surface ? &normal : nullptr, receivers.lit_from_behind,
+                                 receivers.bias[i])
+                          ? 1.0f
+                          : 0.0f;
+      continue;
+    }
+    // Stored positions are rounded: by half a step an axis, and to the anchor's last bits.
+    const float bias = receivers.bias[i] + member_scale(footprint) * 0x1p-14f;
+    int seen = 0;
+    for (int ray = 0; ray < rays; ++ray) {
+      const Member& member = members[(2 * ray + 1) * footprint.stored_members / (2 * rays)];
+      seen += rays_.sees(anchor + member.offset, on_surface ? &member.normal : nullptr,
+                         receivers.lit_from_behind, bias)
+                  ? 1
+                  : 0;
+    }
+    visibility[i] = static_cast<float>(seen) / static_cast<float>(rays);
+  }
+}
+
+void MemberVisibility::visibility(const Receivers& receivers, float* visibility) const {
+  CHECK_MSG(receivers.first + receivers.count <= visibility_.size(), "{} {} {}", receivers.first,
+            receivers.count, visibility_.size());
+  std::copy_n(&visibility_[receivers.first], receivers.count, visibility);
+}
+
+}  // namespace relume
