@@ -389,11 +389,45 @@ TEST(Program, StudyOfABudgetIsHeldAgainstEightRecords) {
               rows[2]["error"].get<double>() / rows[0]["error"].get<double>(), 1e-9);
 }
 
+TEST(Program, StudyMeasuresShadowsAgainstTheTruth) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_relume(folder,
+                                     "study shadows spheres -q --methods kmeans --records 4 2 "
+                                     "--shadows none ray --width 96 --height 64 --window 32 "
+                                     "--truth-spp 36 --timed --pictures --json --output out");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto document = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(document["schema"], "relume-study-shadows-1");
+  const auto& rows = document["rows"];
+  ASSERT_EQ(rows.size(), 5u * 6) << "the reference and four trials, each five lights and a mean";
+  EXPECT_EQ(rows[0]["method"], "all") << "the reference comes first";
+  EXPECT_EQ(rows[0]["ratio_to_all"], 1);
+  for (size_t first = 0; first < rows.size(); first += 6) {
+    double mae = 0;
+    for (size_t i = first; i < first + 5; ++i) {
+      EXPECT_GE(rows[i]["mae"], 0);
+      EXPECT_LE(rows[i]["bias"], rows[i]["mae"].get<double>() * 1.5);
+      mae += rows[i]["mae"].get<double>() / 5;
+    }
+    EXPECT_EQ(rows[first + 5]["light"], "mean");
+    EXPECT_NEAR(rows[first + 5]["mae"].get<double>(), mae, 1e-9);
+    const bool is_traced = rows[first]["shadow"] == "ray";
+    EXPECT_EQ(rows[first]["ms_move"] > 0, is_traced);
+    EXPECT_EQ(rows[first]["structure_bytes"] > 0, is_traced);
+    if (is_traced) {
+      EXPECT_LT(mae, 0.02) << rows[first]["method"] << " " << rows[first]["records"];
+    }
+  }
+  EXPECT_EQ(nlohmann::json::parse(read_all(folder.file("out") / "shadows.json")), document);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("out") / "shadows-spheres.png"));
+}
+
 TEST(Program, StudyRefusesUnknownNamesWithTwo) {
   const TemporaryFolder folder;
   const Outcome outcome = run_relume(folder, "study methods spheres -q --methods kmeans nonsense");
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("'nonsense' is not one of"), std::string::npos) << outcome.err;
+  EXPECT_EQ(run_relume(folder, "study shadows spheres -q --shadows nonsense").exit_code, 2);
   EXPECT_EQ(run_relume(folder, "study nonsense").exit_code, 2);
   EXPECT_EQ(run_relume(folder, "study").exit_code, 2);
 }

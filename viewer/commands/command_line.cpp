@@ -27,6 +27,20 @@ CLI::Option* add_label(CLI::App& app, const std::string& name, E& value,
       ->default_str(std::string(label_of(labels, value)));
 }
 
+/// An option that takes several of an enum's labels.
+template <class E, size_t N>
+void add_labels(CLI::App& app, const std::string& name, std::vector<E>& values,
+                const std::array<Label<E>, N>& labels, const std::string& help) {
+  const auto parse = [&values, &labels](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      const std::optional<E> found = value_of(labels, text);
+      if (!found) throw CLI::ValidationError("'" + text + "' is not one of " + label_list(labels));
+      values.push_back(*found);
+    }
+  };
+  app.add_option_function<std::vector<std::string>>(name, parse, help);
+}
+
 void add_common(CLI::App& app, CommonOptions& common) {
   app.add_option("--threads", common.threads, "threads to use; 0 = all")
       ->check(CLI::Range(0, 4096))
@@ -221,24 +235,18 @@ void add_study(CLI::App& app, Parsed& p) {
       "kmeans strong-kmeans light-fit -o out",
       [&p] { return run_study(p.study, p.common); });
   StudyOptions& o = p.study;
-  sub.add_option("name", o.name, "methods: TR2007-600's experiment 1 without shadows")
+  sub.add_option("name", o.name,
+                 "methods: TR2007-600's experiment 1 without shadows; shadows: shadow methods "
+                 "against a traced truth")
       ->required()
-      ->check(CLI::IsMember({"methods"}));
+      ->check(CLI::IsMember({"methods", "shadows"}));
   sub.add_option("scenes", o.scenes, "scene labels or files")->capture_default_str();
-  sub.add_option("-o,--output", o.output, "folder for methods.json and methods.csv");
+  sub.add_option("-o,--output", o.output, "folder for NAME.json and NAME.csv");
   sub.add_flag("--quick", o.quick, "minutes: 16 lights and a part of each picture");
-  const auto add_method = [&o](const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
-      const auto found = value_of(reduction_method_labels, name);
-      if (!found) {
-        throw CLI::ValidationError("'" + name + "' is not one of " +
-                                   label_list(reduction_method_labels));
-      }
-      o.methods.push_back(*found);
-    }
-  };
-  sub.add_option_function<std::vector<std::string>>("--methods", add_method,
-                                                    "reduction methods; default: all");
+  add_labels(sub, "--methods", o.methods, reduction_method_labels,
+             "reduction methods; default: all, shadows: kmeans, strong-kmeans, light-fit");
+  add_labels(sub, "--shadows", o.shadows, shadow_method_labels,
+             "shadow methods of the shadow study; default: all");
   sub.add_option("--records", o.records, "records per pixel (k)")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
@@ -254,11 +262,17 @@ void add_study(CLI::App& app, Parsed& p) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   sub.add_option("--truth-spp", o.truth_spp,
-                 "compare with an independent picture of so many samples; 0 = with all samples in")
+                 "compare with an independent picture of so many samples; 0 = with all samples in, "
+                 "shadows: 256")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   sub.add_option("--width", o.width, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
   sub.add_option("--height", o.height, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
+  sub.add_option("--window", o.window,
+                 "shadow study: measure so many pixels a side; 0 = the picture, quick 96")
+      ->check(CLI::Range(0, 16384));
+  sub.add_flag("--timed", o.timed, "shadow study: time light moves of the whole picture");
+  sub.add_flag("--pictures", o.pictures, "shadow study: write maps of visibility, side by side");
   sub.add_option("--tile-stride", o.tile_stride, "measure every n-th tile; 0 = all, quick a part")
       ->check(CLI::Range(0, 1 << 20));
 }

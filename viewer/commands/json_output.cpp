@@ -97,6 +97,24 @@ std::string format_figures(const std::string& schema, const CommonOptions& commo
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+std::string format_csv(const std::vector<FigureRow>& rows) {
+  std::string text;
+  const auto add_line = [&text](const FigureRow& row, const auto& cell) {
+    for (size_t i = 0; i < row.size(); ++i) {
+      if (i > 0) text += ',';
+      text += cell(row[i]);
+    }
+    text += '\n';
+  };
+  if (!rows.empty()) add_line(rows.front(), [](const auto& entry) { return entry.first; });
+  for (const FigureRow& row : rows) {
+    add_line(row, [](const auto& entry) {
+      return std::visit([](const auto& value) { return fmt::format("{}", value); }, entry.second);
+    });
+  }
+  return text;
+}
+
 void print_figures(const std::string& schema, const CommonOptions& common,
                    const std::vector<FigureRow>& rows) {
   if (common.json) {

@@ -21,6 +21,9 @@ using FigureRow = std::vector<std::pair<std::string, Figure>>;
 std::string format_figures(const std::string& schema, const CommonOptions& common,
                            const std::vector<FigureRow>& rows);
 
+/// Rows as comma-separated values under a line of names, which are the first row's.
+std::string format_csv(const std::vector<FigureRow>& rows);
+
 /// The same to read: neighbouring rows of the same names as a table, a row by itself as lines
 /// "name value".
 std::string format_table(std::span<const FigureRow> rows);

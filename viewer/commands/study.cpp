@@ -7,6 +7,7 @@
 #include "viewer/commands/commands.h"
 #include "viewer/commands/json_output.h"
 #include "viewer/commands/relight_input.h"
+#include "viewer/commands/study_shadows.h"
 #include "viewer/study/method_study.h"
 
 namespace relume {
@@ -142,27 +143,10 @@ void print_table(const std::string& scene, const std::vector<MethodFigure>& figu
   }
 }
 
-std::string to_csv(const std::vector<FigureRow>& rows) {
-  std::string text;
-  const auto add_line = [&text](const FigureRow& row, const auto& cell) {
-    for (size_t i = 0; i < row.size(); ++i) {
-      if (i > 0) text += ',';
-      text += cell(row[i]);
-    }
-    text += '\n';
-  };
-  if (!rows.empty()) add_line(rows.front(), [](const auto& entry) { return entry.first; });
-  for (const FigureRow& row : rows) {
-    add_line(row, [](const auto& entry) {
-      return std::visit([](const auto& value) { return fmt::format("{}", value); }, entry.second);
-    });
-  }
-  return text;
-}
-
 }  // namespace
 
 int run_study(const StudyOptions& options, const CommonOptions& common) {
+  if (options.name == "shadows") return run_shadow_study(options, common);
   std::vector<FigureRow> rows;
   for (const std::string& name : options.scenes) {
     const RelightInput input = open_scene(name, common);
@@ -179,7 +163,7 @@ int run_study(const StudyOptions& options, const CommonOptions& common) {
   if (options.output) {
     make_folder(*options.output);
     write_file_atomic(*options.output / "methods.json", json);
-    write_file_atomic(*options.output / "methods.csv", to_csv(rows));
+    write_file_atomic(*options.output / "methods.csv", format_csv(rows));
   }
   return 0;
 }
