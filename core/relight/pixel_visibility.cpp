@@ -20,11 +20,13 @@ void for_each_block(const RelightCache& cache, const VisibilitySource& source, c
     std::vector<float> decoded;
     std::vector<float> visibility;
     for (size_t t = begin; t < end; ++t) {
+      size_t receiver = tiles[t].first_slot * block_lanes;
       for (int b = 0; b < tiles[t].block_count; ++b) {
         const PackedBlock block = cache.block(tiles[t], b);
         const float* records = decoder.floats(block, decoded);
-        query_block(cache.info(), block, records, source, visibility);
+        query_block(cache.info(), block, records, receiver, source, visibility);
         visit(tiles[t], block, records, visibility);
+        receiver += visibility.size();
       }
     }
   });
@@ -67,6 +69,7 @@ std::vector<float> pixel_visibility(const RelightCache& cache, const VisibilityS
 }
 
 uint64_t query_cache(const RelightCache& cache, const VisibilitySource& source) {
+  if (!source.all_visibility().empty()) return cache.slot_count();
   std::atomic<uint64_t> slots{0};
   for_each_block(cache, source,
                  [&](const PackedTile&, const PackedBlock&, const float*,

@@ -78,12 +78,12 @@ RelightCache prepare_window(const Setting& setting, ReductionMethod method, int 
     for (size_t i = begin; i < end; ++i) {
       const TileRectangle place = tile_rectangle(setting.view, static_cast<int>(i));
       const std::vector<SampleType>& types = setting.view.types.types;
-      SampleTile tile = empty_tile(place, types.size());
-      if (setting.window.contains(place)) {
-        tile = reduce_tile(sample_tile(setting.view, static_cast<int>(i)), types, reduction,
-                           setting.view.width, lights->lights());
-      }
-      packed[i] = pack_tile(tile, types, {CacheFormat::exact, setting.scene.camera});
+      const SampleTile tile = setting.window.contains(place)
+                                  ? sample_tile(setting.view, static_cast<int>(i))
+                                  : empty_tile(place, types.size());
+      const SampleTile reduced =
+          reduce_tile(tile, types, reduction, setting.view.width, lights->lights());
+      packed[i] = pack_tile(reduced, types, {CacheFormat::exact, setting.scene.camera});
     }
   });
   CacheWriter writer;
@@ -179,7 +179,7 @@ ShadowFigure measure_trial(const Setting& setting, const ShadowStudy& study,
       mean_over(study.truth.covered, std::vector<float>(study.truth.covered.size(), 1.0f)) *
       static_cast<double>(study.truth.covered.size());
   figure.average_records = static_cast<double>(cache.info().record_count) / std::max(1.0, covered);
-  const auto source = make_shadow(trial.shadow, setting.tracer);
+  const auto source = make_shadow(trial.shadow, setting.tracer, cache);
   if (source != nullptr) figure.structure_bytes = setting.tracer.stats().memory_bytes;
   ReferenceFrames frames(study.lights.size());
   for (size_t l = 0; l < study.lights.size(); ++l) {
@@ -193,7 +193,7 @@ ShadowFigure measure_trial(const Setting& setting, const ShadowStudy& study,
 /// Least time of a move of the first light on all records of `cache`.
 ShadowTimes time_trial(const Setting& setting, const RelightCache& cache, const StudyLight& light,
                        ShadowMethod shadow) {
-  const auto source = make_shadow(shadow, setting.tracer);
+  const auto source = make_shadow(shadow, setting.tracer, cache);
   ShadowTimes times;
   if (source == nullptr) return times;
   times.ms_move = std::numeric_limits<double>::infinity();
