@@ -1,5 +1,7 @@
-// Times the relight kernels over shaders, cache formats, instruction sets and numbers of lights:
-// one tile of 8 records a pixel, which stays in cache. Arguments are Google Benchmark's.
+// Times the relight kernels over shaders, cache formats, instruction sets, light kinds and numbers
+// of lights: one tile of 8 records a pixel, which stays in cache. Counters: time a record and
+// light, and bytes a record. Arguments are Google Benchmark's, for instance
+// --benchmark_filter=phong/standard/avx2/point.
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -23,8 +25,35 @@ struct KernelCase {
   SampleType type;
   CacheFormat format;
   InstructionSet set;
+  LightKernel kind;
   int lights;
 };
+
+struct NamedKind {
+  LightKernel kind;
+  const char* name;
+};
+
+constexpr NamedKind light_kinds[] = {{LightKernel::point, "point"},
+                                     {LightKernel::point_constant, "point-constant"},
+                                     {LightKernel::spot, "spot"},
+                                     {LightKernel::spot_constant, "spot-constant"},
+                                     {LightKernel::directional, "directional"}};
+static_assert(std::size(light_kinds) == static_cast<size_t>(LightKernel::count));
+
+/// A light of a kind; several differ in where they are. The cones hold some of the records.
+KernelLight make_light(LightKernel kind, int i) {
+  const auto x = static_cast<float>(i);
+  const vec3 position(x, 3 - x, 4);
+  const bool falloff = kind == LightKernel::point || kind == LightKernel::spot;
+  Light light = make_point_light(position, 1, falloff);
+  if (kind == LightKernel::spot || kind == LightKernel::spot_constant) {
+    light = make_spot_light(position, -position, 5, 10, falloff);
+  } else if (kind == LightKernel::directional) {
+    light = make_directional_light(-position);
+  }
+  return make_kernel_light(light, 1);
+}
 
 /// Every pixel has the same number of records; exponents are a material's.
 SampleTile make_full_tile(const SampleType& type) {
@@ -58,18 +87,17 @@ void shade_tile(benchmark::State& state, const KernelCase& c) {
   const RelightCache cache = make_cache(c);
   const TileShader shader(cache, c.set);
   std::vector<KernelLight> lights;
-  for (int i = 0; i < c.lights; ++i) {
-    const auto x = static_cast<float>(i);
-    lights.push_back(make_kernel_light(make_point_light({x, 3 - x, 4}), 1));
-  }
+  for (int i = 0; i < c.lights; ++i) lights.push_back(make_light(c.kind, i));
   const auto scratch = std::make_unique<TileScratch>();
   for (auto step : state) {
     shader.shade(cache.tiles()[0], lights, nullptr, *scratch);
     benchmark::DoNotOptimize(scratch->light_sums(0));
   }
-  const auto records = static_cast<double>(cache.info().record_count * lights.size());
-  state.counters["records_x_lights"] =
-      benchmark::Counter(records, benchmark::Counter::kIsIterationInvariantRate);
+  using benchmark::Counter;
+  const auto records = static_cast<double>(cache.info().record_count);
+  state.counters["per_record_and_light"] =
+      Counter(records * c.lights, Counter::kIsIterationInvariantRate | Counter::kInvert);
+  state.counters["bytes_per_record"] = 4.0 * cache.layouts()[0].words;
 }
 
 void register_all() {
@@ -77,11 +105,13 @@ void register_all() {
     for (const auto& [format, format_name] : cache_format_labels) {
       for (const auto& [set, set_name] : instruction_set_labels) {
         if (set == InstructionSet::automatic || !is_supported(set)) continue;
-        for (const int lights : {1, 2, 4}) {
-          const std::string name =
-              fmt::format("{}/{}/{}/lights:{}", type.name, format_name, set_name, lights);
-          benchmark::RegisterBenchmark(name.c_str(), shade_tile,
-                                       KernelCase{type, format, set, lights});
+        for (const auto& [kind, kind_name] : light_kinds) {
+          for (const int lights : {1, 2, 4}) {
+            const std::string name = fmt::format("{}/{}/{}/{}/lights:{}", type.name, format_name,
+                                                 set_name, kind_name, lights);
+            benchmark::RegisterBenchmark(name.c_str(), shade_tile,
+                                         KernelCase{type, format, set, kind, lights});
+          }
         }
       }
     }
@@ -93,8 +123,13 @@ void register_all() {
 
 int main(int argc, char** argv) {
   relume::register_all();
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  // There are many; an argument of the same name comes later and counts.
+  char short_time[] = "--benchmark_min_time=0.05";
+  std::vector<char*> arguments(argv, argv + argc);
+  arguments.insert(arguments.begin() + 1, short_time);
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
   benchmark::RunSpecifiedBenchmarks();
   return 0;
 }

@@ -27,14 +27,15 @@ double least_ms(int repeats, const Body& body,
 }
 
 /// The same for bodies that are compared: they take turns, so that a machine that slows down does
-/// so for all. Each runs once before, not timed.
+/// so for all. In its turn a body runs once before it is timed, as if it had run all the time.
 inline std::vector<double> least_ms_in_turn(int repeats,
                                             const std::vector<std::function<void()>>& bodies) {
   std::vector<double> least(bodies.size(), std::numeric_limits<double>::infinity());
-  for (const auto& body : bodies) body();
   for (int i = 0; i < repeats; ++i) {
-    for (size_t j = 0; j < bodies.size(); ++j)
+    for (size_t j = 0; j < bodies.size(); ++j) {
+      bodies[j]();
       least[j] = std::min(least[j], least_ms(1, bodies[j]));
+    }
   }
   return least;
 }
