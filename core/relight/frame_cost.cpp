@@ -4,11 +4,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/relight/kernel.h"
+
 namespace relume {
 namespace {
-
-/// Lights that one pass over the records shades: max_kernel_lights of core/relight/kernel.h.
-constexpr int lights_per_pass = 4;
 
 /// Weight that is left of what a new measurement tells anew.
 constexpr double kept = 0.8;
@@ -52,7 +51,7 @@ FrameWork make_frame_work(const RelightCache& cache, int changed_lights, int com
 
 /// In milliseconds at typical rates: the first measurements scale them together, later ones each.
 FrameCost::Terms FrameCost::terms_of(const FrameWork& work) {
-  const int passes = (work.changed_lights + lights_per_pass - 1) / lights_per_pass;
+  const int passes = (work.changed_lights + max_kernel_lights - 1) / max_kernel_lights;
   return {0.02,
           5e-7 * work.records * passes,
           5e-7 * work.records * work.changed_lights,
