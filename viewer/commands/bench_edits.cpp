@@ -15,18 +15,11 @@ double layer_bytes(const CacheInfo& info, int lights) {
   return 3.0 * sizeof(float) * info.width * info.height * lights;
 }
 
-/// A gain set once, and a gain that is dragged.
-std::vector<FigureRow> gain_rows(const RelightCache& cache, RepeatedFrame& one, int lights,
-                                 int repeats) {
-  RepeatedFrame many(cache, lights);
-  RepeatedFrame dragged(cache, lights);
-  const std::vector<double> ms = least_ms_in_turn(
-      repeats, {[&] { one.move_all(); }, [&] { many.dim_one(); }, [&] { dragged.drag_gain(); }});
-  const auto row = [&](const char* name, double time) {
-    return FigureRow{
-        {"name", fmt::format("{}-{}-layers", name, lights)}, {"ms", time}, {"ratio", time / ms[0]}};
-  };
-  return {row("gain", ms[1]), row("gain-drag", ms[2])};
+/// `edit` of many lights against one light that moves.
+FigureRow edit_row(const std::string& name, RepeatedFrame& one, int repeats,
+                   const std::function<void()>& edit) {
+  const std::vector<double> ms = least_ms_in_turn(repeats, {[&] { one.move_all(); }, edit});
+  return {{"name", name}, {"ms", ms[1]}, {"ratio", ms[1] / ms[0]}};
 }
 
 FigureRow drag_row(const RelightCache& cache, RepeatedFrame& one, int lights, int repeats) {
@@ -52,7 +45,11 @@ FigureRow first_frame_row(const RelightCache& cache, RepeatedFrame& one, int lig
 
 std::vector<FigureRow> bench_edits(const RelightCache& cache, int repeats) {
   RepeatedFrame one(cache, 1);
-  std::vector<FigureRow> rows = gain_rows(cache, one, 16, repeats);
+  RepeatedFrame many(cache, 16);
+  std::vector<FigureRow> rows{
+      edit_row("coarse-frame", one, repeats, [&] { one.move_all_coarsely(); }),
+      edit_row("gain-16-layers", one, repeats, [&] { many.dim_one(); }),
+      edit_row("gain-drag-16-layers", one, repeats, [&] { many.drag_gain(); })};
   const auto fits = [&](int n) { return layer_bytes(cache.info(), n) <= most_layer_bytes; };
   for (const int lights : {1, 16, 64, 256}) {
     if (fits(lights)) rows.push_back(drag_row(cache, one, lights, repeats));

@@ -18,8 +18,8 @@ double measure_clock_hz();
 /// threads: what memory alone would cost.
 double read_cache_ms(const RelightCache& cache, int repeats);
 
-/// The same with writing what a frame must leave: `layers` layers and the frame, three floats a
-/// pixel each, tile by tile where the cache has records.
+/// The same with writing what a frame must leave: `layers` layers, three floats for each lane of
+/// the cache's blocks, and the pixels of the frame in tiles that have records.
 double read_write_ms(const RelightCache& cache, int layers, int repeats);
 
 /// What memory costs a frame, measured in this process.

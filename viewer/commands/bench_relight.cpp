@@ -1,5 +1,6 @@
 #include "viewer/commands/bench_relight.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace relume {
@@ -24,7 +25,7 @@ RepeatedFrame::RepeatedFrame(const RelightCache& cache, int lights, InstructionS
       params_{.instruction_set = set},
       shadows_(shadows),
       state_(make_relight_state(cache)) {
-  relight_now();
+  relight_now(params_, lights);
 }
 
 void RepeatedFrame::move(Light& light) const {
@@ -32,37 +33,49 @@ void RepeatedFrame::move(Light& light) const {
   light.direction.x += 1e-4f;
 }
 
-void RepeatedFrame::relight_now(bool dragging) {
-  params_.dragging = dragging;
-  const RelightStats stats = relight(state_, lights_, shadows_, params_);
-  const int layers = state_.others_of ? 2 : lights();
-  work_ = make_frame_work(cache_, stats.layers_shaded, layers);
+void RepeatedFrame::relight_now(const RelightParams& params, int combined_layers) {
+  const RelightStats stats = relight(state_, lights_, shadows_, params);
+  work_ = make_frame_work(cache_, stats.layers_shaded, combined_layers);
+  if (stats.layers_shaded > 0) {
+    work_.records = static_cast<double>(stats.records_shaded) / stats.layers_shaded;
+  }
 }
 
 void RepeatedFrame::move_all() {
   for (Light& light : lights_) move(light);
-  relight_now();
+  relight_now(params_, lights());
 }
 
 void RepeatedFrame::drag_one() {
   move(lights_[lights_.size() / 2]);
-  relight_now(true);
-}
-
-void RepeatedFrame::drag_gain() {
-  lights_[lights_.size() / 2].gain *= 1.001f;
-  relight_now(true);
+  RelightParams params = params_;
+  params.dragging = true;
+  relight_now(params, std::min(lights(), 2));
 }
 
 void RepeatedFrame::dim_one() {
   lights_[lights_.size() / 2].gain *= 1.001f;
-  relight_now();
+  relight_now(params_, lights());
+}
+
+void RepeatedFrame::drag_gain() {
+  lights_[lights_.size() / 2].gain *= 1.001f;
+  RelightParams params = params_;
+  params.dragging = true;
+  relight_now(params, std::min(lights(), 2));
+}
+
+void RepeatedFrame::move_all_coarsely() {
+  for (Light& light : lights_) move(light);
+  RelightParams params = params_;
+  params.pixels = PixelShare::quarter;
+  relight_now(params, lights());
 }
 
 void RepeatedFrame::start_again() {
   state_.layers.clear();  // the old memory goes first
   state_ = make_relight_state(cache_);
-  relight_now();
+  relight_now(params_, lights());
 }
 
 }  // namespace relume

@@ -19,11 +19,13 @@ class RepeatedFrame {
                 VisibilitySource* shadows = nullptr);
 
   void move_all();
-  /// As a person drags a light or its gain.
+  /// Moves one light, as one of a row of such frames: RelightParams::dragging.
   void drag_one();
-  void drag_gain();
-  /// The same gain once, summed in order.
   void dim_one();
+  /// Dims one light, as one of a row of such frames.
+  void drag_gain();
+  /// Moves all for a quarter of the pixels.
+  void move_all_coarsely();
   /// Every light anew, into fresh memory.
   void start_again();
 
@@ -33,7 +35,7 @@ class RepeatedFrame {
 
  private:
   void move(Light& light) const;
-  void relight_now(bool dragging = false);
+  void relight_now(const RelightParams& params, int combined_layers);
 
   const RelightCache& cache_;
   std::vector<Light> lights_;
