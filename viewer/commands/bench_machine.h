@@ -14,8 +14,8 @@ namespace relume {
 /// Cycles per second that this core runs at now: a chain of dependent additions, one cycle each.
 double measure_clock_hz();
 
-/// Least time in milliseconds of `repeats` passes over every byte of the cache's tiles with all
-/// threads: what memory alone would cost.
+/// Least time in milliseconds of `repeats` passes over the blocks of the cache's tiles with all
+/// threads: what memory alone would cost a frame without shadows.
 double read_cache_ms(const RelightCache& cache, int repeats);
 
 /// The same with writing what a frame must leave: `layers` layers, three floats for each lane of

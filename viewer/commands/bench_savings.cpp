@@ -47,6 +47,14 @@ FigureRow shadows_row(const RelightCache& cache, int repeats) {
       "shadows-off", repeats, [&] { own.move_all(); }, [&] { general.move_all(); });
 }
 
+FigureRow footprints_row(const RelightCache& cache, int repeats) {
+  const RelightCache bare = cut_cache(cache, {});
+  RepeatedFrame own(bare, 1);
+  RepeatedFrame general(cache, 1);
+  return saving_row(
+      "without-footprints", repeats, [&] { own.move_all(); }, [&] { general.move_all(); });
+}
+
 FigureRow pass_row(const RelightCache& cache, int repeats) {
   RepeatedFrame own(cache, 4);
   RepeatedFrame general(cache, 1);
@@ -60,7 +68,13 @@ FigureRow pass_row(const RelightCache& cache, int repeats) {
 }  // namespace
 
 std::vector<FigureRow> bench_savings(const RelightCache& cache, int repeats) {
-  return {diffuse_row(cache, repeats), shadows_row(cache, repeats), pass_row(cache, repeats)};
+  std::vector<FigureRow> rows{diffuse_row(cache, repeats), shadows_row(cache, repeats),
+                              pass_row(cache, repeats)};
+  const CacheInfo& info = cache.info();
+  if (info.has_footprints && static_cast<double>(info.record_count) <= most_records) {
+    rows.push_back(footprints_row(cache, repeats));
+  }
+  return rows;
 }
 
 }  // namespace relume
