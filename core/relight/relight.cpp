@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/base/check.h"
+#include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
 #include "core/relight/combine.h"
@@ -59,8 +60,14 @@ void prefetch_headers(const PackedTile& tile) {
 /// Does passes over a state's tiles.
 class LayerShader {
  public:
-  LayerShader(RelightState& state, const TileShader& shader, PixelShare share, RelightStats& stats)
-      : state_(state), cache_(*state.cache), shader_(shader), share_(share), stats_(stats) {}
+  LayerShader(RelightState& state, const TileShader& shader, const RelightParams& params,
+              RelightStats& stats)
+      : state_(state),
+        cache_(*state.cache),
+        shader_(shader),
+        share_(params.pixels),
+        cancelled_(params.cancelled),
+        stats_(stats) {}
 
   /// Shades the pass's layers and, unless `combiner` is null, the frame.
   void run(const Pass& pass, const Combiner* combiner) {
@@ -70,6 +77,7 @@ class LayerShader {
                  [&](size_t begin, size_t end) {
                    const auto scratch = std::make_unique<TileScratch>();
                    for (size_t t = begin; t < end; ++t) {
+                     check_cancelled();
                      if (t + 1 < tiles.size()) prefetch_headers(tiles[t + 1]);
                      if (tiles[t].block_count == 0) continue;
                      shade_tile(pass, t, *scratch, counts);
@@ -79,6 +87,12 @@ class LayerShader {
                  });
     for (const Job& job : pass.jobs) state_.layers[job.light].share = share_;
     record(pass, counts);
+  }
+
+  void check_cancelled() const {
+    if (cancelled_ != nullptr && cancelled_->load(std::memory_order_relaxed)) {
+      throw Error(ErrorKind::cancelled, "relighting was cancelled");
+    }
   }
 
  private:
@@ -136,6 +150,7 @@ class LayerShader {
   const RelightCache& cache_;
   const TileShader& shader_;
   PixelShare share_;
+  const std::atomic<bool>* cancelled_;
   RelightStats& stats_;
 };
 
@@ -143,8 +158,9 @@ bool same_weight(const Light& a, const Light& b) {
   return a.weight() == b.weight();
 }
 
-/// Brings state.lights up to date and finds the lights whose layers do not hold what is asked for,
-/// which then hold nothing, so that an exception on the way leaves no layer of another light. A
+/// Brings state.lights up to date and finds the lights whose layers do not hold what is asked for.
+/// Layers of lights that moved hold nothing from then on, so that an exception on the way leaves no
+/// layer of another light. A
 /// muted light is not shaded: its layer waits until it is wanted. `touched`: the lights that
 /// changed in any way.
 std::vector<Job> take_changed(RelightState& state, std::span<const Light> lights, PixelShare share,
@@ -165,7 +181,6 @@ std::vector<Job> take_changed(RelightState& state, std::span<const Light> lights
     if (!layer.is_allocated()) layer.allocate(state.layout);
     jobs.push_back(
         {i, make_kernel_light(lights[i], state.cache->info().bounds.radius()), layer.share});
-    layer.share = PixelShare::none;
   }
   return jobs;
 }
@@ -278,8 +293,9 @@ RelightStats relight(RelightState& state, std::span<const Light> lights, Visibil
 
   const auto dragged = params.dragging ? choose_dragged(state, touched, kept) : std::nullopt;
   RelightStats stats;
-  LayerShader layers(state, shader, params.pixels, stats);
+  LayerShader layers(state, shader, params, stats);
   for (const Pass& pass : passes) {
+    layers.check_cancelled();
     const Timer prepare_timer;
     if (pass.shadows != nullptr) pass.shadows->prepare(state.lights[pass.jobs[0].light]);
     stats.prepare_ms += prepare_timer.ms();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <span>
 #include <vector>
@@ -23,6 +24,10 @@ struct RelightParams {
   /// differently, by at most 2^-23 times the number of lights; a call without `dragging` sums in
   /// the order of the lights.
   bool dragging = false;
+  /// Asked tile by tile, from any thread: once it is true the call throws Error(cancelled) as soon
+  /// as it can. The frame is then of no use; layers that were complete stay, and the others hold
+  /// what they held before. Null: never.
+  const std::atomic<bool>* cancelled = nullptr;
 };
 
 /// What one relight() call did.

@@ -10,15 +10,16 @@
 namespace relume {
 
 // The .relume file, version 4, little-endian (docs/cache-format.md):
-//   CacheHeader | tile chunks, each 64-byte aligned | info | TileEntry[tile_count]
-// The tiles are those of the image, row by row, and their chunks follow each other in that order.
-// A tile chunk: data (words of 4 bytes, see PackedBlock), block headers, coverage bytes; where the
-// info says so, pad to 4 and one float a pixel of predicted error; pad to 64 and per slot of the
-// tile, in the data's order, 16 lanes of each word of its records' footprints (footprint.h); per
-// slot 16 bytes of how many members each lane's record stored, and the members, lane by lane.
-// Shading without shadows reads none of the last three. A block header: u32 first word of the
-// block's data | u8 lanes | u8 pixels[16] | pad to 24 | u16 slots[type_count] | packed formats: pad
-// to 4, float frame[6], float bias[type_count] | pad to 8.
+//   CacheHeader | chunks, each 64-byte aligned | info | TileEntry[tile_count]
+// The tiles are those of the image, row by row. The chunks of a row of tiles follow each other,
+// then their footprint chunks. A tile chunk: data (words of 4 bytes, see PackedBlock), block
+// headers, coverage bytes; where the info says so, pad to 4 and one float a pixel of predicted
+// error. A block header: u32 first word of the block's data | u8 lanes | u8 pixels[16] | pad to 24
+// | u16 slots[type_count] | packed formats: pad to 4, float frame[6], float bias[type_count] | pad
+// to 8. A footprint chunk, which shading without shadows does not read: per slot of the tile, in
+// the data's order, 16 lanes of each word of its records' footprints (footprint.h); where the info
+// says so, per slot 16 bytes of how many members each lane's record stored, and the members, lane
+// by lane.
 
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
 inline constexpr uint32_t cache_version = 4;
@@ -49,8 +50,12 @@ struct TileEntry {
   uint64_t data_words = 0;  ///< then the block headers start
   uint64_t size = 0;        ///< bytes of the chunk
   uint64_t hash = 0;        ///< XXH3 of the chunk
+  // The tile's footprint chunk; zeros where the cache has none.
+  uint64_t footprint_offset = 0;  ///< in the file, a multiple of 64
+  uint64_t footprint_size = 0;    ///< bytes
+  uint64_t footprint_hash = 0;    ///< XXH3
 };
-static_assert(sizeof(TileEntry) == 48);
+static_assert(sizeof(TileEntry) == 72);
 
 inline constexpr size_t block_slots_offset = 24;
 
@@ -68,11 +73,6 @@ constexpr size_t block_stride(size_t type_count, CacheFormat format) {
 /// Bytes of the coverage of `pixels` pixels, padded so that floats may follow.
 constexpr size_t coverage_stride(size_t pixels) {
   return (pixels + 3) / 4 * 4;
-}
-
-/// Where the footprints start in a chunk whose pixels' parts end at byte `size`.
-constexpr size_t footprint_offset(size_t size) {
-  return (size + 63) / 64 * 64;
 }
 inline constexpr size_t footprint_slot_bytes = footprint_words * block_lanes * sizeof(uint32_t);
 

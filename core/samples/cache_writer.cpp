@@ -50,7 +50,21 @@ void CacheWriter::overwrite_header(const CacheHeader& header) {
   }
 }
 
+/// Shading reads nothing of them: they lie apart from what it reads.
+void CacheWriter::append_footprints() {
+  const size_t first = directory_.size() - footprints_.size();
+  for (size_t i = 0; i < footprints_.size(); ++i) {
+    TileEntry& entry = directory_[first + i];
+    entry.footprint_offset = size_;
+    entry.footprint_size = footprints_[i].size();
+    entry.footprint_hash = hash_bytes(footprints_[i]);
+    append(footprints_[i]);
+  }
+  footprints_.clear();
+}
+
 void CacheWriter::add(const PackedTileData& tile) {
+  if (!directory_.empty() && directory_.back().y0 != tile.y0) append_footprints();
   std::vector<std::byte> chunk;
   append_to(chunk, std::as_bytes(std::span(tile.words)));
   append_to(chunk, tile.blocks);
@@ -73,10 +87,11 @@ void CacheWriter::add(const PackedTileData& tile) {
     append_to(chunk, std::as_bytes(std::span(tile.predicted_error)));
   }
   if (has_footprints_) {
-    chunk.resize(footprint_offset(chunk.size()));
-    append_to(chunk, std::as_bytes(std::span(tile.footprints)));
-    append_to(chunk, std::as_bytes(std::span(tile.member_counts)));
-    append_to(chunk, std::as_bytes(std::span(tile.members)));
+    std::vector<std::byte>& footprints = footprints_.emplace_back();
+    append_to(footprints, std::as_bytes(std::span(tile.footprints)));
+    append_to(footprints, std::as_bytes(std::span(tile.member_counts)));
+    append_to(footprints, std::as_bytes(std::span(tile.members)));
+    footprints.resize(align_up(footprints.size(), chunk_alignment));
   }
   chunk.resize(align_up(chunk.size(), chunk_alignment));
   CHECK_MSG(size_ % chunk_alignment == 0, "size {}", size_);
@@ -96,6 +111,7 @@ void CacheWriter::add(const PackedTileData& tile) {
 }
 
 void CacheWriter::finish(CacheInfo info) {
+  append_footprints();
   info.record_count = record_count_;
   info.format = format_;
   info.has_predicted_error = has_predicted_error_;

@@ -28,6 +28,7 @@ class CacheWriter {
 
  private:
   void append(std::span<const std::byte> bytes);
+  void append_footprints();
   void overwrite_header(const CacheHeader& header);
 
   std::optional<AtomicFile> file_;
@@ -39,6 +40,8 @@ class CacheWriter {
   bool has_footprints_ = false;
   bool has_members_ = false;
   std::vector<TileEntry> directory_;
+  /// Footprint chunks of the last tiles, a row of them at most; they follow the row's tile chunks.
+  std::vector<std::vector<std::byte>> footprints_;
 };
 
 }  // namespace relume

@@ -31,9 +31,10 @@ struct PackParams {
 };
 
 /// Packs the records of a tile, one SIMD lane a pixel: the pixels of each share are sorted by how
-/// many records they have of each type and cut into blocks of 16, so that lanes of a block stay full
-/// and a coarse picture reads the front of each tile; pixels without records vanish. A predicted error must be >= 0 or NaN; what is not finite becomes the largest
-/// float and is counted, what has no coverage becomes 0. Deterministic.
+/// many records they have of each type and cut into blocks of 16, so that lanes of a block stay
+/// full and a coarse picture reads the front of each tile; pixels without records vanish. A
+/// predicted error must be >= 0 or NaN; what is not finite becomes the largest float and is
+/// counted, what has no coverage becomes 0. Deterministic.
 PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> types,
                          const PackParams& params = {});
 

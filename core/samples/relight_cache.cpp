@@ -139,6 +139,10 @@ void RelightCache::check_order(std::span<const std::byte> directory,
       corrupt(place, "a tile lies outside the file or within another");
     }
     end = entry.offset + entry.size;
+    if (entry.footprint_offset % 64 != 0 ||
+        !inside(entry.footprint_offset, entry.footprint_size, bytes_.size())) {
+      corrupt(place, "a tile's footprints lie outside the file");
+    }
   }
 }
 
@@ -187,21 +191,23 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
     }
     if (!ok) corrupt(place, "a block lies outside its tile");
   }
-  if (info_.has_footprints) {
-    const uint64_t pixel_end =
-        entry.data_words * sizeof(uint32_t) + entry.block_count * stride + pixel_bytes;
-    check_footprints(entry, pixel_end, tile, place);
-  }
+  if (info_.has_footprints) check_footprints(entry, tile, place);
   return tile;
 }
 
-void RelightCache::check_footprints(const TileEntry& entry, uint64_t pixel_end, PackedTile& tile,
+void RelightCache::check_footprints(const TileEntry& entry, PackedTile& tile,
                                     const std::string& place) const {
+  const std::byte* start = bytes_.data() + entry.footprint_offset;
+  if (hash_bytes({start, entry.footprint_size}) != entry.footprint_hash) {
+    corrupt(place, "a checksum does not match");
+  }
   const uint64_t slots = slots_of(tile);
-  uint64_t end = footprint_offset(pixel_end);
+  uint64_t end = 0;
   const auto take = [&](uint64_t size) {
-    if (!inside(end, size, entry.size)) corrupt(place, "a tile's footprints do not fit into it");
-    const std::byte* part = bytes_.data() + entry.offset + end;
+    if (!inside(end, size, entry.footprint_size)) {
+      corrupt(place, "a tile's footprints do not fit into their part");
+    }
+    const std::byte* part = start + end;
     end += size;
     return part;
   };

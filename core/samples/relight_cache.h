@@ -131,8 +131,7 @@ class RelightCache {
  private:
   RelightCache() = default;
   void parse(std::span<const ShaderInfo* const> shaders, const std::string& place);
-  void check_footprints(const TileEntry& entry, uint64_t pixel_end, PackedTile& tile,
-                        const std::string& place) const;
+  void check_footprints(const TileEntry& entry, PackedTile& tile, const std::string& place) const;
   uint64_t slots_of(const PackedTile& tile) const;
   void check_order(std::span<const std::byte> directory, const std::string& place) const;
   PackedTile check_tile(const TileEntry& entry, const std::string& place) const;

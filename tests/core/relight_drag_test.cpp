@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/error.h"
 #include "core/relight/light_reach.h"
 #include "core/relight/reference_relight.h"
 #include "core/relight/relight.h"
@@ -227,6 +228,17 @@ TEST_F(DragTest, InvalidateEndsTheKeptSum) {
   invalidate(state_);
   EXPECT_EQ(update(dragging).layers_shaded, static_cast<int>(lights_.size()));
   expect_same_but_for_rounding();
+}
+
+TEST_F(DragTest, ACancelledCallLeavesNothingWrong) {
+  const std::atomic<bool> yes{true};
+  update(coarse);
+  lights_[0].position.x += 1;
+  RelightParams stopped;
+  stopped.cancelled = &yes;
+  EXPECT_THROW(update(stopped), Error);
+  EXPECT_EQ(update({}).layers_shaded, static_cast<int>(lights_.size()));
+  EXPECT_EQ(max_difference(state_.frame, render_frame(cache_, lights_)), 0);
 }
 
 /// Random narrow spots in and around the records, none of which may lose a lit tile.

@@ -190,6 +190,11 @@ void forge_entry(Bytes& bytes, size_t tile, const std::function<void(TileEntry&)
   if (entry.offset <= bytes.size() && entry.size <= bytes.size() - entry.offset) {
     entry.hash = hash_bytes(std::span(bytes).subspan(entry.offset, entry.size));
   }
+  if (entry.footprint_offset <= bytes.size() &&
+      entry.footprint_size <= bytes.size() - entry.footprint_offset) {
+    entry.footprint_hash =
+        hash_bytes(std::span(bytes).subspan(entry.footprint_offset, entry.footprint_size));
+  }
   std::memcpy(at, &entry, sizeof(entry));
   rehash(bytes);
 }
@@ -295,37 +300,60 @@ TEST(CorruptCache, TilesWithoutRoomForPredictedErrorsAreRefused) {
   }
 }
 
+TileEntry first_entry(const Bytes& bytes) {
+  CacheHeader header;
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  TileEntry entry;
+  std::memcpy(&entry, &bytes[header.directory_offset], sizeof(entry));
+  return entry;
+}
+
 TEST(CorruptCache, TilesWithoutRoomForFootprintsAreRefused) {
   const Bytes valid = make_valid();
   const RelightCache cache = RelightCache::from_bytes(to_chunks(valid), shader_table(), "evil");
   const auto slots = static_cast<size_t>(cache.tiles()[1].first_slot);
-  const size_t pixel_end = coverage_offset(valid) + 80 + 320;
-  const size_t footprints = footprint_offset(pixel_end);
+  const size_t footprints = first_entry(valid).footprint_offset;
   const size_t counts = footprints + slots * footprint_slot_bytes;
   size_t members = 0;
   for (size_t i = 0; i < slots * block_lanes; ++i)
     members += static_cast<size_t>(valid[counts + i]);
   ASSERT_GT(members, 0u);
   const size_t end = counts + slots * block_lanes + members * sizeof(PackedMember);
-  for (const size_t kept : {pixel_end, footprints, footprints + 1, counts - 1, counts,
-                            counts + slots * block_lanes, end - 1}) {
+  const char* const message = "a tile's footprints do not fit into their part";
+  for (const size_t kept :
+       {footprints, footprints + 1, counts - 1, counts, counts + slots * block_lanes, end - 1}) {
     Bytes forged = valid;
-    forge_entry(forged, 0, [&](TileEntry& e) { e.size = kept - e.offset; });
-    EXPECT_ERROR(use(forged), ErrorKind::input, "a tile's footprints do not fit into it");
+    forge_entry(forged, 0, [&](TileEntry& e) { e.footprint_size = kept - footprints; });
+    EXPECT_ERROR(use(forged), ErrorKind::input, message);
   }
   Bytes exact = valid;
-  forge_entry(exact, 0, [&](TileEntry& e) { e.size = end - e.offset; });
+  forge_entry(exact, 0, [&](TileEntry& e) { e.footprint_size = end - footprints; });
   EXPECT_NO_THROW(use(exact));
   // More members than there is room for.
   Bytes forged = valid;
   forged[counts] = std::byte{255};
   forge_entry(forged, 0, [](TileEntry&) {});
-  EXPECT_ERROR(use(forged), ErrorKind::input, "a tile's footprints do not fit into it");
+  EXPECT_ERROR(use(forged), ErrorKind::input, message);
+}
+
+TEST(CorruptCache, FootprintsOutsideTheFileAreRefused) {
+  const Bytes valid = make_valid();
+  for (const uint64_t value : {uint64_t{1}, uint64_t{64} << 40, ~uint64_t{0}}) {
+    Bytes moved = valid;
+    forge_entry(moved, 0, [&](TileEntry& e) { e.footprint_offset = value; });
+    EXPECT_TRUE(is_refused(moved)) << value;
+    Bytes longer = valid;
+    forge_entry(longer, 0, [&](TileEntry& e) { e.footprint_size = value << 8; });
+    EXPECT_TRUE(is_refused(longer)) << value;
+  }
+  Bytes changed = valid;
+  changed[first_entry(valid).footprint_offset] ^= std::byte{1};
+  EXPECT_ERROR(use(changed), ErrorKind::input, "checksum");
 }
 
 TEST(CorruptCache, AnyFootprintBitsAreSound) {
   const Bytes valid = make_valid();
-  const size_t footprints = footprint_offset(coverage_offset(valid) + 80 + 320);
+  const size_t footprints = first_entry(valid).footprint_offset;
   for (const int value : {0x00, 0x7f, 0x80, 0xff}) {
     Bytes forged = valid;
     std::fill_n(&forged[footprints], footprint_slot_bytes, static_cast<std::byte>(value));

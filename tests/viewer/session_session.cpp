@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "core/image/heatmap.h"
 #include "tests/viewer/fake_session.h"
 #include "viewer/session/light_motion.h"
@@ -15,7 +17,7 @@ std::vector<uint8_t> toned(const Image& image, const DisplayTransform& display) 
 
 Image render(FrameSource& source, const ViewState& view) {
   RelitFrame frame;
-  source.render({view.lights, view.shadows}, frame);
+  source.render({view.lights, view.shadows}, false, frame);
   return frame.image;
 }
 
@@ -215,6 +217,104 @@ TEST(Session, ReportsALightThatCannotBeUsedAndKeepsThePicture) {
   session.wait(true);
   EXPECT_EQ(session.status().problem, "");
   EXPECT_NE(session.picture().rgba, before.rgba);
+}
+
+/// Takes 1 ms for each record of its share of the pixels; notes what it was asked for.
+class CountingSource final : public FrameSource {
+ public:
+  explicit CountingSource(std::vector<RelightRequest>& requests) : requests_(requests) {}
+  void render(const RelightRequest& request, const std::atomic<bool>&, RelitFrame& frame) override {
+    requests_.push_back(request);
+    const double records = 40 * share_cost(request.pixels);
+    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(records));
+    frame.image = Image(320, 240);
+    frame.stats.layers_shaded = 2;
+    frame.work = {records, 1, 2, 2};
+  }
+
+ private:
+  std::vector<RelightRequest>& requests_;  ///< read when the session rests
+};
+
+class ProgressiveSession : public testing::Test {
+ protected:
+  ProgressiveSession() : session_(make_parts()) { session_.view().shown = ShownPicture::frame; }
+  std::vector<PixelShare> shares(bool resting) {
+    requests_.clear();
+    session_.wait(resting);
+    std::vector<PixelShare> shares;
+    for (const RelightRequest& request : requests_) shares.push_back(request.pixels);
+    return shares;
+  }
+  void move_light() { session_.view().lights[0].position.x += 0.1f; }
+
+  std::vector<RelightRequest> requests_;
+  Session session_;
+
+ private:
+  SessionParts make_parts() {
+    SessionParts parts = make_fake_parts();
+    parts.frames = std::make_unique<CountingSource>(requests_);
+    return parts;
+  }
+};
+
+using Shares = std::vector<PixelShare>;
+
+TEST_F(ProgressiveSession, StartsCoarseWhereNothingIsKnown) {
+  session_.view().frame_ms = 10;
+  EXPECT_EQ(shares(true), (Shares{PixelShare::quarter, PixelShare::all}));
+  EXPECT_FALSE(session_.status().outdated);
+  EXPECT_EQ(session_.status().pixels, PixelShare::all);
+}
+
+TEST_F(ProgressiveSession, IsCoarseFirstOnlyAboveTheTime) {
+  session_.view().frame_ms = 10;
+  shares(true);
+  move_light();
+  EXPECT_EQ(shares(true), (Shares{PixelShare::quarter, PixelShare::all}));
+  EXPECT_TRUE(requests_[1].may_stop);
+  EXPECT_FALSE(requests_[0].may_stop) << "a coarse frame is always finished";
+  session_.view().frame_ms = 1000;
+  move_light();
+  EXPECT_EQ(shares(true), (Shares{PixelShare::all}));
+  session_.view().frame_ms = 0;
+  move_light();
+  EXPECT_EQ(shares(true), (Shares{PixelShare::all}));
+}
+
+TEST_F(ProgressiveSession, SumsInOrderAtRest) {
+  session_.view().frame_ms = 0;
+  shares(true);
+  move_light();
+  shares(false);
+  ASSERT_EQ(requests_.size(), 1u);
+  EXPECT_TRUE(requests_[0].dragging);
+  shares(true);
+  ASSERT_EQ(requests_.size(), 1u);
+  EXPECT_FALSE(requests_[0].dragging);
+  EXPECT_TRUE(shares(true).empty());
+}
+
+TEST(Session, RefinesTheFrameAtRest) {
+  Session session(make_fake_parts());
+  session.view().refine = true;
+  session.wait(false);
+  EXPECT_FALSE(session.status().refined);
+  session.wait(true);
+  EXPECT_TRUE(session.status().refined);
+  EXPECT_FALSE(session.status().outdated);
+  SessionParts same = make_fake_parts();
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.reference, session.view()), {}));
+  // A light that moves shows the records again; a gain the same.
+  session.view().lights[0].gain *= 2;
+  session.wait(false);
+  EXPECT_FALSE(session.status().refined);
+  EXPECT_EQ(session.picture().rgba, toned(render(*same.frames, session.view()), {}));
+  // Traced shadows do not replace none.
+  session.view().shadows = ShadowMethod::none;
+  session.wait(true);
+  EXPECT_FALSE(session.status().refined);
 }
 
 TEST(LightMotion, ViewPlaneMoveFollowsThePointerAtConstantDepth) {

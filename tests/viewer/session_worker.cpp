@@ -37,7 +37,7 @@ class GatedSource final : public FrameSource {
       : record_(record), duration_(duration) {}
   ~GatedSource() override { record_.destroyed = true; }
 
-  void render(const RelightRequest& request, RelitFrame& frame) override {
+  void render(const RelightRequest& request, const std::atomic<bool>&, RelitFrame& frame) override {
     const float gain = request.lights.at(0).gain;
     {
       std::unique_lock lock(record_.mutex);
@@ -111,6 +111,46 @@ TEST(RelightWorker, DeliversFramesWhileRequestsComeFasterThanItCanFollow) {
   EXPECT_EQ(frame.request.lights[0].gain, gain) << "the last request was lost";
   const WorkerCounts counts = worker.counts();
   EXPECT_EQ(counts.submitted, counts.superseded + counts.finished);
+}
+
+/// Renders until it is cancelled, or at once when the gain is above 100.
+class PatientSource final : public FrameSource {
+ public:
+  void render(const RelightRequest& request, const std::atomic<bool>& cancelled,
+              RelitFrame& frame) override {
+    while (request.lights[0].gain <= 100 && !cancelled) std::this_thread::sleep_for(1ms);
+    if (cancelled) throw Error(ErrorKind::cancelled, "stopped");
+    frame.image = Image(1, 1);
+  }
+};
+
+TEST(RelightWorker, AFrameThatMayStopGivesWay) {
+  RelightWorker worker(std::make_unique<PatientSource>());
+  RelightRequest slow = request_of(1);
+  slow.may_stop = true;
+  worker.submit(slow);
+  worker.submit(request_of(101));
+  worker.wait_idle();
+  RelitFrame frame;
+  ASSERT_TRUE(worker.take(frame));
+  EXPECT_EQ(frame.request.lights[0].gain, 101);
+  EXPECT_EQ(frame.error, "");
+  EXPECT_FALSE(worker.take(frame));
+  const WorkerCounts counts = worker.counts();
+  EXPECT_EQ(counts.finished, 1u);
+  EXPECT_EQ(counts.stopped + counts.superseded, 1u);
+}
+
+TEST(RelightWorker, StopEndsWhatMayStop) {
+  RelightWorker worker(std::make_unique<PatientSource>());
+  RelightRequest slow = request_of(1);
+  slow.may_stop = true;
+  worker.submit(slow);
+  worker.stop();
+  worker.wait_idle();
+  RelitFrame frame;
+  EXPECT_FALSE(worker.take(frame));
+  worker.submit(slow);  // ended by the destructor
 }
 
 TEST(RelightWorker, CarriesAFailureAsOneLineAndGoesOn) {

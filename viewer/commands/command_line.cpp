@@ -148,6 +148,11 @@ void add_view(CLI::App& app, Parsed& p) {
       [&p] { return run_view(p.view, p.common); });
   sub.add_option("input", p.view.input, "scene label, scene file or .relume cache")->required();
   sub.add_option("--offscreen", p.view.offscreen, "no display: draw with OSMesa into this folder");
+  sub.add_option("--frame-ms", p.view.frame_ms,
+                 "slower frames are coarse first, a quarter of the pixels; 0 = never")
+      ->check(CLI::Range(0.0, 1e6));
+  sub.add_flag("--keep-records", p.view.keep_records,
+               "do not replace the picture at rest by all samples with traced shadows");
   sub.add_option("--script", p.view.script, "scripted input (docs/viewer-scripts.md)");
   add_label(sub, "--shadow", p.view.shadow, shadow_method_labels, "shadow method");
   add_prepare(sub, p.view.prepare);

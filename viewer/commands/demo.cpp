@@ -86,7 +86,9 @@ int run_demo(const DemoOptions& options, const CommonOptions& common) {
   const Timer timer;
   RelightInput input = open_input(options.scene, options.prepare, true, common);
   if (!options.offscreen && can_open_window()) {
-    return open_window(std::move(input), options.prepare, ShadowMethod::ray, common);
+    ViewOptions view;
+    view.prepare = options.prepare;
+    return open_window(std::move(input), view, common);
   }
   return write_pictures(input, options.offscreen.value_or("relume-demo"), options, timer, common);
 }

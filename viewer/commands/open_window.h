@@ -9,7 +9,6 @@ bool can_open_window();
 
 /// Opens the interactive window on `input`, with every sample beside it as the reference when the
 /// scene is there. Returns the exit code. Throws Error(usage) when the program was built without.
-int open_window(RelightInput input, const PrepareOptions& prepare, ShadowMethod shadow,
-                const CommonOptions& common);
+int open_window(RelightInput input, const ViewOptions& options, const CommonOptions& common);
 
 }  // namespace relume

@@ -52,6 +52,8 @@ struct ViewOptions {
   std::optional<std::filesystem::path> offscreen;
   std::optional<std::filesystem::path> script;
   ShadowMethod shadow = ShadowMethod::ray;
+  float frame_ms = 40;
+  bool keep_records = false;  ///< the picture at rest is not refined
   PrepareOptions prepare;
 };
 

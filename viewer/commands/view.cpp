@@ -40,12 +40,13 @@ bool can_open_window() {
 #endif
 }
 
-int open_window([[maybe_unused]] RelightInput input, [[maybe_unused]] const PrepareOptions& prepare,
-                [[maybe_unused]] ShadowMethod shadow,
+int open_window([[maybe_unused]] RelightInput input, [[maybe_unused]] const ViewOptions& options,
                 [[maybe_unused]] const CommonOptions& common) {
 #if defined(RELUME_HAS_VIEWER)
-  Session session = start_session(std::move(input), prepare, common);
-  session.view().shadows = shadow;
+  Session session = start_session(std::move(input), options.prepare, common);
+  session.view().shadows = options.shadow;
+  session.view().frame_ms = options.frame_ms;
+  session.view().refine = !options.keep_records;
   return run_window(session, {});
 #else
   throw no_viewer();
@@ -60,9 +61,10 @@ int run_view(const ViewOptions& options, const CommonOptions& common) {
     const Script script = options.script ? load_script(*options.script) : default_script();
     Session session = start_session(std::move(input), options.prepare, common);
     session.view().shadows = options.shadow;
+    session.view().frame_ms = options.frame_ms;
     return run_offscreen(session, script, *options.offscreen);
   }
-  return open_window(std::move(input), options.prepare, options.shadow, common);
+  return open_window(std::move(input), options, common);
 #else
   throw no_viewer();
 #endif

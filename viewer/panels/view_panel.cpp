@@ -9,6 +9,7 @@ namespace relume {
 namespace {
 
 constexpr float largest_exposure = 10;
+constexpr float largest_frame_ms = 1000;
 
 std::string short_count(uint64_t count) {
   const double value = static_cast<double>(count);
@@ -86,6 +87,28 @@ void heat_scale(const UiState& ui, const char* unit, float range) {
   add_outlined_text(list, {low.x + size.x - top_width, text_y}, IM_COL32_WHITE, top);
 }
 
+/// What speed may cost.
+void budget_rows(UiState& ui, Session& session) {
+  ViewState& view = session.view();
+  row_label("coarse above");
+  ImGui::SliderFloat("##frame_ms", &view.frame_ms, 0, largest_frame_ms,
+                     view.frame_ms > 0 ? "%.0f ms" : "never",
+                     ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+  note_item(ui, "view.frame_ms");
+  if (!is_finite(view.frame_ms)) view.frame_ms = 0;
+  view.frame_ms = std::clamp(view.frame_ms, 0.0f, largest_frame_ms);
+  if (!session.info().has_reference) return;
+  ImGui::Checkbox("all samples, traced, at rest", &view.refine);
+  note_item(ui, "view.refine");
+}
+
+/// How the frame came about, where that is not its records in all pixels.
+std::string quality_text(const SessionStatus& status) {
+  if (status.painted != ShownPicture::frame) return {};
+  if (status.refined) return ", all samples traced";
+  return status.pixels == PixelShare::quarter ? ", coarse" : "";
+}
+
 }  // namespace
 
 void view_panel(UiState& ui, Session& session) {
@@ -112,6 +135,7 @@ void view_panel(UiState& ui, Session& session) {
   });
   row_label("heatmap");
   choose(ui, "heatmap", heat_range_labels, view.heat_range);
+  budget_rows(ui, session);
 }
 
 void status_bar(UiState& ui, const Session& session) {
@@ -148,6 +172,7 @@ void picture_legend(const UiState& ui, const Session& session) {
   const bool missing = wanted == ShownPicture::predicted && session.info().predicted_error.empty();
   const bool waiting = status.outdated && needs_reference(wanted);
   std::string text(label_of(shown_picture_labels, status.painted));
+  text += quality_text(status);
   if (missing) {
     text += "; this cache holds no predicted error";
   } else if (waiting && status.painted == wanted) {

@@ -1,6 +1,7 @@
 #include "viewer/session/frame_source.h"
 
 #include "core/base/error.h"
+#include "viewer/session/frame_budget.h"
 
 namespace relume {
 namespace {
@@ -13,13 +14,25 @@ class CacheSource final : public FrameSource {
         fixed_method_(shadows),
         state_(make_relight_state(cache_)) {}
 
-  void render(const RelightRequest& request, RelitFrame& frame) override {
+  void render(const RelightRequest& request, const std::atomic<bool>& cancelled,
+              RelitFrame& frame) override {
     use_shadows(fixed_method_.value_or(request.shadows));
-    frame.stats = relight(state_, request.lights, shadows_.get());
+    frame.stats =
+        relight(state_, request.lights, shadows_.get(),
+                {.pixels = request.pixels, .dragging = request.dragging, .cancelled = &cancelled});
     frame.image = state_.frame;
+    frame.work = make_frame_work(request, frame.stats);
   }
 
  private:
+  FrameWork make_frame_work(const RelightRequest& request, const RelightStats& stats) const {
+    const auto lights = static_cast<int>(request.lights.size());
+    FrameWork work = relume::make_frame_work(cache_, stats.layers_shaded,
+                                             state_.others_of ? std::min(2, lights) : lights);
+    work.records *= share_cost(request.pixels);
+    return work;
+  }
+
   void use_shadows(ShadowMethod method) {
     if (method == method_) return;
     if (method != ShadowMethod::none && tracer_ == nullptr) {

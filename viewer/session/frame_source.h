@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/relight/frame_cost.h"
 #include "core/relight/relight.h"
 #include "core/trace/tracer.h"
 #include "shadow/shadow.h"
@@ -16,6 +17,9 @@ namespace relume {
 struct RelightRequest {
   std::vector<Light> lights;
   ShadowMethod shadows = ShadowMethod::ray;
+  PixelShare pixels = PixelShare::all;  ///< see RelightParams
+  bool dragging = false;                ///< see RelightParams
+  bool may_stop = false;  ///< a newer request ends it unfinished, since a picture is on the screen
 };
 
 /// One frame computed, or the reason why not.
@@ -23,6 +27,7 @@ struct RelitFrame {
   RelightRequest request;  ///< what it shows
   Image image;             ///< scene-linear RGB; stale when error is not empty
   RelightStats stats;
+  FrameWork work;     ///< of stats, for FrameCost
   double ms = 0;      ///< wall time from taking the request to the finished image
   std::string error;  ///< one line; empty = ok
 };
@@ -32,8 +37,10 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  /// Fills frame.image and frame.stats. Throws Error.
-  virtual void render(const RelightRequest& request, RelitFrame& frame) = 0;
+  /// Fills frame.image, frame.stats and frame.work. Throws Error; of kind cancelled soon after
+  /// `cancelled` became true, if it looks at it.
+  virtual void render(const RelightRequest& request, const std::atomic<bool>& cancelled,
+                      RelitFrame& frame) = 0;
 };
 
 /// Relights `cache`. With `shadows` given it is used instead of the request's. Without a tracer

@@ -15,7 +15,8 @@ RelightWorker::RelightWorker(std::unique_ptr<FrameSource> source)
 RelightWorker::~RelightWorker() {
   {
     const std::lock_guard lock(mutex_);
-    stop_ = true;
+    quit_ = true;
+    if (running_may_stop_) cancelled_ = true;
   }
   wake_.notify_one();
   thread_.join();
@@ -27,8 +28,16 @@ void RelightWorker::submit(RelightRequest request) {
     ++counts_.submitted;
     if (next_) ++counts_.superseded;
     next_ = std::move(request);
+    if (running_may_stop_) cancelled_ = true;
   }
   wake_.notify_one();
+}
+
+void RelightWorker::stop() {
+  const std::lock_guard lock(mutex_);
+  if (next_) ++counts_.superseded;
+  next_.reset();
+  if (running_may_stop_) cancelled_ = true;
 }
 
 bool RelightWorker::take(RelitFrame& frame) {
@@ -65,19 +74,24 @@ void RelightWorker::run() {
     RelightRequest request;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stop_ || next_; });
-      if (stop_) return;
+      wake_.wait(lock, [this] { return quit_ || next_; });
+      if (quit_) return;
       request = std::move(*next_);
       next_.reset();
       running_ = true;
+      running_may_stop_ = request.may_stop;
+      cancelled_ = false;
     }
-    compute(std::move(request), frame);
+    const bool is_picture = compute(std::move(request), frame);
     {
       const std::lock_guard lock(mutex_);
-      std::swap(frame, newest_);
-      fresh_ = true;
+      if (is_picture) {
+        std::swap(frame, newest_);
+        fresh_ = true;
+      }
       running_ = false;
-      ++counts_.finished;
+      running_may_stop_ = false;
+      ++(is_picture ? counts_.finished : counts_.stopped);
     }
     idle_.notify_all();
     const std::lock_guard lock(notify_mutex_);
@@ -85,21 +99,26 @@ void RelightWorker::run() {
   }
 }
 
-void RelightWorker::compute(RelightRequest request, RelitFrame& frame) {
+bool RelightWorker::compute(RelightRequest request, RelitFrame& frame) {
   const Timer timer;
   frame.request = std::move(request);
   frame.error.clear();
   frame.stats = {};
+  frame.work = {};
   try {
-    source_->render(frame.request, frame);
+    source_->render(frame.request, cancelled_, frame);
   } catch (const std::bad_alloc&) {
     frame.error = "relighting ran out of memory; close other programs or prepare fewer records";
+  } catch (const Error& failure) {
+    if (failure.kind() == ErrorKind::cancelled && cancelled_) return false;
+    frame.error = printable(failure.what());
   } catch (const std::exception& failure) {
     frame.error = printable(failure.what());
   } catch (...) {
     frame.error = "relighting failed for an unknown reason";
   }
   frame.ms = timer.ms();
+  return true;
 }
 
 }  // namespace relume

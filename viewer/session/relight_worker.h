@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -17,13 +18,14 @@ struct WorkerCounts {
   uint64_t submitted = 0;
   uint64_t superseded = 0;  ///< requests replaced before they were started
   uint64_t finished = 0;    ///< frames computed, failed ones included
+  uint64_t stopped = 0;     ///< frames that a newer request or stop() ended unfinished
 };
 
 /// Computes frames on a thread of its own. There is one slot for the next request and one for the
-/// newest frame: submitting replaces a request not yet started, and a frame once started is always
-/// finished, so that a stream of requests faster than the source neither queues up nor starves.
-/// A failing source yields a frame that carries the error. The destructor finishes the running
-/// frame and joins. All members may be called from any thread.
+/// newest frame: submitting replaces a request not yet started. A frame once started is finished,
+/// unless it may stop: so a stream of requests faster than the source neither queues up nor
+/// starves. A failing source yields a frame that carries the error. The destructor finishes the
+/// running frame, unless it may stop, and joins. All members may be called from any thread.
 class RelightWorker {
  public:
   explicit RelightWorker(std::unique_ptr<FrameSource> source);
@@ -32,6 +34,9 @@ class RelightWorker {
   RelightWorker& operator=(const RelightWorker&) = delete;
 
   void submit(RelightRequest request);
+
+  /// Drops the waiting request, and ends the running one if it may stop.
+  void stop();
 
   /// Swaps the newest frame into `frame`, whose old buffers are used again; false when none is new.
   bool take(RelitFrame& frame);
@@ -50,9 +55,11 @@ class RelightWorker {
 
  private:
   void run();
-  void compute(RelightRequest request, RelitFrame& frame);
+  /// False when it was stopped: `frame` is then no picture.
+  bool compute(RelightRequest request, RelitFrame& frame);
 
   std::unique_ptr<FrameSource> source_;
+  std::atomic<bool> cancelled_{false};
 
   mutable std::mutex mutex_;  // guards the members below
   std::condition_variable wake_;
@@ -61,7 +68,8 @@ class RelightWorker {
   RelitFrame newest_;
   bool fresh_ = false;
   bool running_ = false;
-  bool stop_ = false;
+  bool running_may_stop_ = false;
+  bool quit_ = false;
   WorkerCounts counts_;
 
   std::mutex notify_mutex_;  // held while notify_ runs

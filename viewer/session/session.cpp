@@ -13,7 +13,8 @@ namespace {
 
 constexpr float ten_times_range = 0.1f;
 
-bool same_request(const RelightRequest& a, const RelightRequest& b) {
+/// True when both ask for the same picture, at whatever quality.
+bool same_picture(const RelightRequest& a, const RelightRequest& b) {
   return a.shadows == b.shadows && same_lighting(a.lights, b.lights);
 }
 
@@ -73,25 +74,61 @@ void Session::wait(bool resting) {
 bool Session::ask(bool resting) {
   view_problem_ = find_problem(view_.lights);
   if (!view_problem_.empty()) return false;
-  const bool asked_frame = ask(frame_, {view_.lights, view_.shadows});
-  // The reference is slow and nobody watches it while a light is dragged over the frame.
-  const bool wanted = needs_reference(view_.shown) && resting && reference_.worker;
-  const bool asked_reference = wanted && ask(reference_, {view_.lights, ShadowMethod::ray});
-  return asked_frame || asked_reference;
+  const bool asked_frame = ask_frame(resting);
+  return ask_reference(resting) || asked_frame;
 }
 
-bool Session::ask(Channel& channel, const RelightRequest& request) {
-  if (channel.asked && same_request(*channel.asked, request)) return false;
-  channel.asked = request;
-  channel.worker->submit(request);
+/// A picture that was not asked for yet comes coarse when all of it would take too long; the rest
+/// follows when that was taken, unless a newer picture is asked for meanwhile.
+bool Session::ask_frame(bool resting) {
+  RelightRequest request{view_.lights, view_.shadows};
+  request.dragging = !resting;
+  const RelightRequest* before = frame_.version > 0 ? &frame_.latest.request : nullptr;
+  if (!frame_.asked || !same_picture(*frame_.asked, request)) {
+    request.pixels = budget_.choose_pixels(request, before, view_.frame_ms);
+  } else if (frame_.asked->pixels == PixelShare::all) {
+    if (request.dragging || !frame_.asked->dragging) return false;  // at rest lights sum in order
+  } else if (before == nullptr || !same_picture(*before, request)) {
+    return false;
+  } else {
+    request.may_stop = true;
+  }
+  submit(frame_, request);
   return true;
 }
 
+/// The reference is slow and nobody watches it while a light is dragged over the frame.
+bool Session::ask_reference(bool resting) {
+  if (!reference_.worker) return false;
+  const RelightRequest request{
+      .lights = view_.lights, .shadows = ShadowMethod::ray, .may_stop = true};
+  const bool is_asked = reference_.asked && same_picture(*reference_.asked, request);
+  if (reference_.asked && !is_asked) {
+    reference_.worker->stop();
+    reference_.asked.reset();
+  }
+  const bool completes_frame = view_.shown == ShownPicture::frame && view_.refine &&
+                               view_.shadows != ShadowMethod::none && frame_is_current() &&
+                               frame_.latest.request.pixels == PixelShare::all;
+  const bool wanted = resting && (needs_reference(view_.shown) || completes_frame);
+  if (is_asked || !wanted) return false;
+  submit(reference_, request);
+  return true;
+}
+
+void Session::submit(Channel& channel, const RelightRequest& request) {
+  channel.asked = request;
+  channel.worker->submit(request);
+}
+
 void Session::take() {
+  const uint64_t version = frame_.version;
   take(frame_);
+  if (frame_.version != version) budget_.add(frame_.latest);
   take(reference_);
   status_.stats = frame_.latest.stats;
   status_.frame_ms = frame_.latest.ms;
+  status_.pixels = frame_.version > 0 ? frame_.latest.request.pixels : PixelShare::none;
   status_.problem = view_problem_;
   if (status_.problem.empty()) status_.problem = frame_.problem;
   if (status_.problem.empty()) status_.problem = reference_.problem;
@@ -111,17 +148,23 @@ bool Session::frame_is_current() const {
   return shown.shadows == view_.shadows && same_lighting(shown.lights, view_.lights);
 }
 
+bool Session::reference_is_current() const {
+  return reference_.version > 0 && same_lighting(reference_.latest.request.lights, view_.lights);
+}
+
+bool Session::is_refined() const {
+  return view_.refine && view_.shadows != ShadowMethod::none && reference_is_current();
+}
+
 ShownPicture Session::paintable() const {
-  const bool reference_is_current =
-      reference_.version > 0 && same_lighting(reference_.latest.request.lights, view_.lights);
   switch (view_.shown) {
     case ShownPicture::frame:
       break;
     case ShownPicture::reference:
-      if (reference_is_current) return ShownPicture::reference;
+      if (reference_is_current()) return ShownPicture::reference;
       break;
     case ShownPicture::heatmap:
-      if (reference_is_current && frame_is_current()) return ShownPicture::heatmap;
+      if (reference_is_current() && frame_is_current()) return ShownPicture::heatmap;
       break;
     case ShownPicture::predicted:
       if (!info_.predicted_error.empty()) return ShownPicture::predicted;
@@ -135,7 +178,10 @@ ShownPicture Session::paintable() const {
 void Session::paint() {
   if (frame_.version == 0) return;
   const ShownPicture shown = paintable();
-  status_.outdated = shown != view_.shown || !(ignores_lights(shown) || frame_is_current());
+  const bool refined = shown == ShownPicture::frame && is_refined();
+  const bool is_whole = frame_.latest.request.pixels == PixelShare::all || refined;
+  status_.outdated =
+      shown != view_.shown || !(ignores_lights(shown) || (frame_is_current() && is_whole));
   // A heatmap stays, marked as outdated, until the next one is there.
   if (shown != view_.shown && view_.shown == ShownPicture::heatmap &&
       status_.painted == ShownPicture::heatmap && picture_.version > 0) {
@@ -146,17 +192,19 @@ void Session::paint() {
                      view_.heat_range,
                      view_.display.curve,
                      view_.display.exposure,
-                     needs_frame ? frame_.version : 0,
-                     needs_reference(shown) ? reference_.version : 0};
+                     needs_frame && !refined ? frame_.version : 0,
+                     needs_reference(shown) || refined ? reference_.version : 0,
+                     refined};
   if (painted_ == key) return;
   painted_ = key;
   status_.painted = shown;
+  status_.refined = refined;
   status_.error.reset();
   status_.map_mean.reset();
   status_.heat_range = 0;
   switch (shown) {
     case ShownPicture::frame:
-      paint_image(frame_.latest.image);
+      paint_image(refined ? reference_.latest.image : frame_.latest.image);
       break;
     case ShownPicture::reference:
       paint_image(reference_.latest.image);

@@ -9,6 +9,7 @@
 #include "core/image/metrics.h"
 #include "core/scene/scene.h"
 #include "reduction/budget.h"
+#include "viewer/session/frame_budget.h"
 #include "viewer/session/relight_worker.h"
 #include "viewer/session/view_state.h"
 
@@ -49,10 +50,12 @@ struct SessionStatus {
   bool busy = false;                           ///< a frame or reference is being computed
   ShownPicture painted = ShownPicture::frame;  ///< what the picture really shows now
   bool outdated = false;                       ///< the picture is not yet what the view asks for
-  std::optional<ImageError> error;  ///< frame against reference, when a heatmap is painted
-  std::optional<double> map_mean;   ///< over covered pixels, when predicted or records is painted
-  float heat_range = 0;             ///< value at the top of the scale; 0 = no scale
-  std::string problem;              ///< one line, empty = none
+  PixelShare pixels = PixelShare::none;  ///< that the last frame shaded; the others are filled
+  bool refined = false;                  ///< the painted frame is all samples with traced shadows
+  std::optional<ImageError> error;       ///< frame against reference, when a heatmap is painted
+  std::optional<double> map_mean;  ///< over covered pixels, when predicted or records is painted
+  float heat_range = 0;            ///< value at the top of the scale; 0 = no scale
+  std::string problem;             ///< one line, empty = none
 };
 
 /// What a session is made of. `scene` may be null when a cache was opened alone; `tracer` is over
@@ -119,15 +122,20 @@ class Session {
     float exposure;
     uint64_t frame;
     uint64_t reference;
+    bool refined;
     bool operator==(const PaintKey&) const = default;
   };
 
   bool ask(bool resting);
-  bool ask(Channel& channel, const RelightRequest& request);
+  bool ask_frame(bool resting);
+  bool ask_reference(bool resting);
+  static void submit(Channel& channel, const RelightRequest& request);
   void take();
   static void take(Channel& channel);
   void paint();
   bool frame_is_current() const;
+  bool reference_is_current() const;
+  bool is_refined() const;
   ShownPicture paintable() const;
   void paint_image(const Image& image);
   void paint_heatmap();
@@ -143,6 +151,7 @@ class Session {
   SessionStatus status_;
   std::string view_problem_;
   std::optional<PaintKey> painted_;
+  FrameBudget budget_;
   Channel frame_;  // the channels go first: their sources may use tracer_
   Channel reference_;
 };

@@ -57,6 +57,12 @@ struct ViewState {
   ShadowMethod shadows = ShadowMethod::ray;
   DisplayTransform display;
   HeatRange heat_range = HeatRange::ten_times;
+  /// A frame that is predicted to take longer, in milliseconds, is first shown coarse: a quarter of
+  /// the pixels. 0: never.
+  float frame_ms = 40;
+  /// When the lights rest, the frame gives way to all samples with traced shadows, if there is a
+  /// reference and the frame has shadows.
+  bool refine = false;
   float zoom = 0;          ///< screen pixels per picture pixel; 0 = fit into the window
   vec2 zoom_center_px{0};  ///< picture position in the middle of the window when zoom > 0
 };
