@@ -9,7 +9,7 @@ Combiner::Combiner(const RelightCache& cache, const LayerLayout& layout,
     : cache_(cache),
       layout_(layout),
       kernels_(kernels),
-      pixels_(cache),
+      pixels_(cache, kernels),
       terms_(std::move(terms)),
       frame_(frame) {}
 
@@ -25,6 +25,17 @@ bool Combiner::add(const std::vector<LayerTerm>& terms, size_t t, int blocks, Ti
     lit = true;
   }
   return lit;
+}
+
+void Combiner::prefetch(size_t t) const {
+  // Sums of many layers stream by themselves.
+  if (!terms_.kept.empty() || terms_.full.size() > 2) return;
+  const int floats = cache_.tiles()[t].block_count * block_floats;
+  for (const LayerTerm& term : terms_.full) {
+    if (term.shaded >= 0 || !term.layer->is_lit(t)) continue;
+    const float* const layer = term.layer->tile(layout_, t);
+    for (int i = 0; i < floats; i += 16) __builtin_prefetch(layer + i);
+  }
 }
 
 int Combiner::combine(size_t t, TileScratch& scratch) const {

@@ -33,6 +33,9 @@ class Combiner {
   /// Writes a tile of the frame; returns how many values were not finite and became 0.
   int combine(size_t t, TileScratch& scratch) const;
 
+  /// Asks for what combine() of a tile will read beside the scratch, if that is little.
+  void prefetch(size_t t) const;
+
  private:
   bool add(const std::vector<LayerTerm>& terms, size_t t, int blocks, TileScratch& scratch,
            float* sums) const;

@@ -21,12 +21,24 @@ Place place_of(int pixel) {
   return {pixel / tile_size + 1, pixel % tile_size + 1};
 }
 
-float coverage_of(const PackedTile& tile, int pixel) {
-  return static_cast<float>(tile.coverage[pixel / tile_size * tile.width + pixel % tile_size]);
-}
+/// A value for each pixel of a tile.
+using Pixels = float[tile_size][tile_size];
+
+/// In 255ths.
+struct Coverage {
+  Pixels values = {};
+
+  explicit Coverage(const PackedTile& tile) {
+    for (int y = 0; y < tile.height; ++y) {
+      const uint8_t* row = tile.coverage + y * tile.width;
+      for (int x = 0; x < tile.width; ++x) values[y][x] = static_cast<float>(row[x]);
+    }
+  }
+  float of(int pixel) const { return (&values[0][0])[pixel]; }
+};
 
 Planes known_pixels(const RelightCache& cache, const PackedTile& tile, int shaded,
-                    const float* sums) {
+                    const Coverage& coverage, const float* sums) {
   Planes planes;
   for (int b = 0; b < shaded; ++b) {
     const PackedBlock block = cache.block(tile, b);
@@ -35,56 +47,74 @@ Planes known_pixels(const RelightCache& cache, const PackedTile& tile, int shade
       for (int c = 0; c < 3; ++c) {
         planes.values[c][y][x] = sums[b * block_floats + c * block_lanes + lane];
       }
-      planes.values[3][y][x] = coverage_of(tile, block.pixels[lane]);
+      planes.values[3][y][x] = coverage.of(block.pixels[lane]);
     }
   }
   return planes;
 }
 
-/// Each value plus the eight around it.
-Planes sum_neighbours(const Planes& planes) {
-  Planes sums;
-  for (int c = 0; c < 4; ++c) {
-    float rows[Planes::size][Planes::size];
-    for (int y = 0; y < Planes::size; ++y) {
-      const float* in = planes.values[c][y];
-      for (int x = 1; x <= tile_size; ++x) rows[y][x] = in[x - 1] + in[x] + in[x + 1];
+/// Sums of each row's values with their neighbours in it.
+using Rows = float[Planes::size][tile_size];
+
+void sum_in_rows(const float (&values)[Planes::size][Planes::size], Rows& sums) {
+  for (int y = 0; y < Planes::size; ++y) {
+    for (int x = 0; x < tile_size; ++x) {
+      sums[y][x] = values[y][x] + values[y][x + 1] + values[y][x + 2];
     }
-    for (int y = 1; y <= tile_size; ++y) {
-      for (int x = 1; x <= tile_size; ++x) {
-        sums.values[c][y][x] = rows[y - 1][x] + rows[y][x] + rows[y + 1][x];
+  }
+}
+
+/// Sums over each pixel and the eight around it.
+void sum_around(const float (&values)[Planes::size][Planes::size], Pixels& sums) {
+  Rows rows;
+  sum_in_rows(values, rows);
+  for (int y = 0; y < tile_size; ++y) {
+    for (int x = 0; x < tile_size; ++x) sums[y][x] = rows[y][x] + rows[y + 1][x] + rows[y + 2][x];
+  }
+}
+
+float sum_of(const float (&values)[Planes::size][Planes::size]) {
+  float sum = 0;
+  for (const auto& row : values) {
+    for (const float value : row) sum += value;
+  }
+  return sum;
+}
+
+/// What pixels of `coverage` get from the mean radiance of what covers the pixels around them, or
+/// the tile where those are empty.
+struct Filled {
+  Pixels rgb[3];
+
+  Filled(const Planes& planes, const Coverage& coverage) {
+    Pixels known;
+    sum_around(planes.values[3], known);
+    const float whole = sum_of(planes.values[3]);
+    for (int c = 0; c < 3; ++c) {
+      sum_around(planes.values[c], rgb[c]);
+      const float mean = whole > 0 ? sum_of(planes.values[c]) / whole : 0.0f;
+      for (int y = 0; y < tile_size; ++y) {
+        for (int x = 0; x < tile_size; ++x) {
+          const float around = rgb[c][y][x] / std::max(known[y][x], 1.0f);  // 0, or 1 and more
+          rgb[c][y][x] = coverage.values[y][x] * (known[y][x] > 0 ? around : mean);
+        }
       }
     }
   }
-  return sums;
-}
-
-/// Mean radiance of what covers the known pixels.
-vec3 mean_radiance(const Planes& planes) {
-  vec4 sum(0);
-  for (int c = 0; c < 4; ++c) {
-    for (const auto& row : planes.values[c]) {
-      for (const float value : row) sum[c] += value;
-    }
-  }
-  return sum[3] > 0 ? vec3(sum) / sum[3] : vec3(0);
-}
+};
 
 }  // namespace
 
 void fill_pixels(const RelightCache& cache, const PackedTile& tile, int shaded, float* sums) {
-  const Planes planes = known_pixels(cache, tile, shaded, sums);
-  const Planes around = sum_neighbours(planes);
-  const vec3 mean = mean_radiance(planes);
+  const Coverage coverage(tile);
+  const Filled filled(known_pixels(cache, tile, shaded, coverage, sums), coverage);
   for (int b = shaded; b < tile.block_count; ++b) {
     const PackedBlock block = cache.block(tile, b);
-    for (int lane = 0; lane < block.lanes; ++lane) {
-      const auto [y, x] = place_of(block.pixels[lane]);
-      const float known = around.values[3][y][x];
-      const float coverage = coverage_of(tile, block.pixels[lane]);
-      for (int c = 0; c < 3; ++c) {
-        const float radiance = known > 0 ? around.values[c][y][x] / known : mean[c];
-        sums[b * block_floats + c * block_lanes + lane] = coverage * radiance;
+    float* const rgb = sums + b * block_floats;
+    for (int c = 0; c < 3; ++c) {
+      const float* const values = &filled.rgb[c][0][0];
+      for (int lane = 0; lane < block_lanes; ++lane) {
+        rgb[c * block_lanes + lane] = values[block.pixels[lane]];
       }
     }
   }

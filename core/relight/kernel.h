@@ -62,6 +62,9 @@ struct BlockKernels {
   /// another thread reads it.
   void (*stream_layer)(const float* sums, int blocks, float* layer);
   void (*finish_streams)();
+  /// Writes the pixels of one block's sums as RGB: lane i of `lanes` to out[offsets[pixels[i]]].
+  void (*write_pixels)(const float* sums, const uint8_t* pixels, int lanes, const int* offsets,
+                       float* out);
 };
 
 /// The block kernels of `set` (already chosen, not automatic).

@@ -298,7 +298,8 @@ BlockKernels make_block_kernels() {
           add_layer,
           make_finite,
           stream_layer,
-          finish_streams};
+          finish_streams,
+          scatter_rgb};
 }
 
 }  // namespace relume::RELUME_ISA

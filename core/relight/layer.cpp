@@ -19,7 +19,8 @@ void Layer::allocate(const LayerLayout& layout) {
   share = PixelShare::none;
 }
 
-BlockPixels::BlockPixels(const RelightCache& cache) : cache_(cache) {
+BlockPixels::BlockPixels(const RelightCache& cache, const BlockKernels& kernels)
+    : cache_(cache), kernels_(kernels) {
   for (int pixel = 0; pixel < tile_size * tile_size; ++pixel) {
     offsets_.push_back(3 * (pixel / tile_size * cache.info().width + pixel % tile_size));
   }
@@ -29,11 +30,8 @@ void BlockPixels::write(const PackedTile& tile, int blocks, const float* sums, I
   float* const corner = image.at(tile.x0, tile.y0);
   for (int b = 0; b < blocks; ++b) {
     const PackedBlock block = cache_.block(tile, b);
-    const float* const rgb = sums + b * block_floats;
-    for (int lane = 0; lane < block.lanes; ++lane) {
-      float* const pixel = corner + offsets_[block.pixels[lane]];
-      for (int c = 0; c < 3; ++c) pixel[c] = rgb[c * block_lanes + lane];
-    }
+    kernels_.write_pixels(sums + b * block_floats, block.pixels, block.lanes, offsets_.data(),
+                          corner);
   }
 }
 

@@ -56,11 +56,12 @@ class Layer {
 /// The sums of a tile's first blocks as pixels of `image`, which has three channels.
 class BlockPixels {
  public:
-  explicit BlockPixels(const RelightCache& cache);
+  BlockPixels(const RelightCache& cache, const BlockKernels& kernels);
   void write(const PackedTile& tile, int blocks, const float* sums, Image& image) const;
 
  private:
   const RelightCache& cache_;
+  const BlockKernels& kernels_;
   std::vector<int> offsets_;  ///< of each pixel of a tile in an image, in floats
 };
 

@@ -80,6 +80,7 @@ class LayerShader {
                      check_cancelled();
                      if (t + 1 < tiles.size()) prefetch_headers(tiles[t + 1]);
                      if (tiles[t].block_count == 0) continue;
+                     if (combiner != nullptr) combiner->prefetch(t);
                      shade_tile(pass, t, *scratch, counts);
                      if (combiner != nullptr) counts.replaced += combiner->combine(t, *scratch);
                    }
@@ -329,7 +330,7 @@ Image make_layer_image(const RelightState& state, size_t i, vec3 weight) {
   const Layer& layer = state.layers[i];
   if (layer.share == PixelShare::none) return image;
   const BlockKernels kernels = block_kernels(choose_instruction_set(InstructionSet::automatic));
-  const BlockPixels pixels(cache);
+  const BlockPixels pixels(cache, kernels);
   for (size_t t = 0; t < cache.tiles().size(); ++t) {
     if (!layer.is_lit(t)) continue;
     const PackedTile& tile = cache.tiles()[t];

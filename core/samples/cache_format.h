@@ -57,8 +57,6 @@ struct TileEntry {
 };
 static_assert(sizeof(TileEntry) == 72);
 
-inline constexpr size_t block_slots_offset = 24;
-
 /// Where a packed format's frame is in a block header.
 constexpr size_t block_frame_offset(size_t type_count) {
   return (block_slots_offset + 2 * type_count + 3) / 4 * 4;

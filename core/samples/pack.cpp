@@ -166,10 +166,11 @@ void pack_block(const SampleTile& tile, std::span<const SampleType> types,
   const auto first_word = static_cast<uint32_t>(packed.words.size());
   CHECK(packed.words.size() < uint64_t{1} << 32);
   std::memcpy(header.data(), &first_word, sizeof(first_word));
-  header[4] = static_cast<std::byte>(lanes.size());
+  header[block_lanes_offset] = static_cast<std::byte>(lanes.size());
   for (size_t lane = 0; lane < block_lanes; ++lane) {
     const int pixel = lanes[lane < lanes.size() ? lane : 0];
-    header[5 + lane] = static_cast<std::byte>(pixel / tile.width * tile_size + pixel % tile.width);
+    header[block_pixels_offset + lane] =
+        static_cast<std::byte>(pixel / tile.width * tile_size + pixel % tile.width);
   }
   std::vector<RecordLayout> layouts;
   for (const SampleType& type : types) {

@@ -242,6 +242,8 @@ void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::
   for (const SampleType& type : info_.types) {
     layouts_.push_back(make_record_layout(type.shader->fields, info_.format));
   }
+  block_stride_ = block_stride(info_.types.size(), info_.format);
+  if (info_.format != CacheFormat::exact) frame_offset_ = block_frame_offset(info_.types.size());
   tiles_.resize(header.tile_count);
   check_order(directory, place);
   parallel_for(header.tile_count, 16, [&](size_t begin, size_t end) {
@@ -253,19 +255,6 @@ void RelightCache::parse(std::span<const ShaderInfo* const> shaders, const std::
     tile.first_slot = slot_count_;
     slot_count_ += slots_of(tile);
   }
-}
-
-PackedBlock RelightCache::block(const PackedTile& tile, int index) const {
-  const std::byte* header = tile.blocks + index * block_stride(info_.types.size(), info_.format);
-  uint32_t first_word = 0;
-  std::memcpy(&first_word, header, sizeof(first_word));
-  const size_t types = info_.types.size();
-  const float* frame = info_.format == CacheFormat::exact
-                           ? nullptr
-                           : reinterpret_cast<const float*>(header + block_frame_offset(types));
-  return {tile.words + first_word, frame,
-          reinterpret_cast<const uint16_t*>(header + block_slots_offset),
-          reinterpret_cast<const uint8_t*>(header + 5), static_cast<int>(header[4])};
 }
 
 int RelightCache::block_count(const PackedTile& tile, PixelShare share) const {

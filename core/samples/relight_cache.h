@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -54,6 +55,11 @@ struct CacheInfo {
 };
 
 struct TileEntry;  // core/samples/cache_format.h
+
+/// Where the parts of a block header are, see core/samples/cache_format.h.
+inline constexpr size_t block_lanes_offset = 4;
+inline constexpr size_t block_pixels_offset = 5;
+inline constexpr size_t block_slots_offset = 24;
 
 /// Sixteen pixels of a tile. For each type t in order it has slots[t] slots; a slot holds, for each
 /// of 16 lanes, one record, as the format lays it out (make_record_layout): 16 lanes of the first
@@ -111,7 +117,16 @@ class RelightCache {
   /// What packed positions are relative to.
   const ViewAxes& view_axes() const { return view_axes_; }
   std::span<const PackedTile> tiles() const { return tiles_; }
-  PackedBlock block(const PackedTile& tile, int index) const;
+  PackedBlock block(const PackedTile& tile, int index) const {
+    const std::byte* header = tile.blocks + index * block_stride_;
+    uint32_t first_word = 0;
+    std::memcpy(&first_word, header, sizeof(first_word));
+    const std::byte* frame = frame_offset_ > 0 ? header + frame_offset_ : nullptr;
+    return {tile.words + first_word, reinterpret_cast<const float*>(frame),
+            reinterpret_cast<const uint16_t*>(header + block_slots_offset),
+            reinterpret_cast<const uint8_t*>(header + block_pixels_offset),
+            static_cast<int>(header[block_lanes_offset])};
+  }
   /// The number of blocks that hold the pixels of `share`, the first of the tile.
   int block_count(const PackedTile& tile, PixelShare share) const;
   /// Slots of all tiles and types; a slot is 16 records, missing ones included.
@@ -140,6 +155,8 @@ class RelightCache {
   CacheBytes memory_;
   std::span<const std::byte> bytes_;
   CacheInfo info_;
+  size_t block_stride_ = 0;  ///< bytes of a block header
+  size_t frame_offset_ = 0;  ///< of a packed format's frame in it; 0 = none
   std::vector<RecordLayout> layouts_;
   ViewAxes view_axes_;
   std::vector<PackedTile> tiles_;

@@ -289,6 +289,31 @@ Pack<W> pow_unit(Pack<W> x, Pack<W> e) {
   return exp2(e * log);
 }
 
+/// Writes colours of 16 lanes, `rgb` = 16 reds, 16 greens, 16 blues, as three floats a pixel: lane
+/// i to out[offsets[pixels[i]]]. Lanes from `lanes` on are left out.
+inline void scatter_rgb(const float* rgb, const unsigned char* pixels, int lanes,
+                        const int* offsets, float* out) {
+  using Four = Lanes<float, 4>::type;
+  for (int first = 0; first < lanes; first += 4) {
+    Four red;
+    Four green;
+    Four blue;
+    __builtin_memcpy(&red, rgb + first, sizeof(red));
+    __builtin_memcpy(&green, rgb + 16 + first, sizeof(green));
+    __builtin_memcpy(&blue, rgb + 32 + first, sizeof(blue));
+    const Four rg_low = __builtin_shufflevector(red, green, 0, 4, 1, 5);
+    const Four rg_high = __builtin_shufflevector(red, green, 2, 6, 3, 7);
+    const Four rgb_of[4] = {__builtin_shufflevector(rg_low, blue, 0, 1, 4, 4),
+                            __builtin_shufflevector(rg_low, blue, 2, 3, 5, 5),
+                            __builtin_shufflevector(rg_high, blue, 0, 1, 6, 6),
+                            __builtin_shufflevector(rg_high, blue, 2, 3, 7, 7)};
+    const int left = lanes - first;
+    for (int i = 0; i < (left < 4 ? left : 4); ++i) {
+      __builtin_memcpy(out + offsets[pixels[first + i]], &rgb_of[i], 3 * sizeof(float));
+    }
+  }
+}
+
 /// Three packs: a vector or a colour.
 template <class F>
 struct Vec3 {

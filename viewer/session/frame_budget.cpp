@@ -23,12 +23,14 @@ void FrameBudget::add(const RelitFrame& frame) {
   if (!(frame.work.records > 0) || !(share > 0)) return;
   records_ = frame.work.records / share;
   pixels_ = frame.work.pixels;
-  costs_[static_cast<size_t>(frame.request.shadows)].add_measurement(frame.work, frame.ms);
+  MethodCosts& costs = costs_[static_cast<size_t>(frame.request.shadows)];
+  const bool is_whole = frame.request.pixels == PixelShare::all;
+  (is_whole ? costs.whole : costs.quarter).add_measurement(frame.work, frame.ms);
 }
 
 std::optional<double> FrameBudget::predict_ms(const RelightRequest& request,
                                               const RelightRequest* before) const {
-  const FrameCost& cost = costs_[static_cast<size_t>(request.shadows)];
+  const FrameCost& cost = costs_[static_cast<size_t>(request.shadows)].of(request.pixels);
   if (cost.measurements() == 0) return {};
   const auto lights = static_cast<int>(request.lights.size());
   const int layers = request.dragging ? std::min(2, lights) : lights;
@@ -39,10 +41,14 @@ std::optional<double> FrameBudget::predict_ms(const RelightRequest& request,
 PixelShare FrameBudget::choose_pixels(const RelightRequest& request, const RelightRequest* before,
                                       float frame_ms) const {
   if (!(frame_ms > 0)) return PixelShare::all;
-  RelightRequest whole = request;
-  whole.pixels = PixelShare::all;
-  const auto ms = predict_ms(whole, before);
-  return ms && *ms <= static_cast<double>(frame_ms) ? PixelShare::all : PixelShare::quarter;
+  RelightRequest trial = request;
+  trial.pixels = PixelShare::all;
+  const auto whole_ms = predict_ms(trial, before);
+  if (!whole_ms) return PixelShare::quarter;
+  trial.pixels = PixelShare::quarter;
+  const auto quarter_ms = predict_ms(trial, before);
+  const bool pays = !quarter_ms || *quarter_ms < 2.0 / 3.0 * *whole_ms;
+  return *whole_ms > static_cast<double>(frame_ms) && pays ? PixelShare::quarter : PixelShare::all;
 }
 
 }  // namespace relume
