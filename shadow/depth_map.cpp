@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-using Projection = LightView::Projection;
+using Projection = LightPlane::Projection;
 
 /// Strands wider than so many texels are drawn as two triangles.
 constexpr float widest_line = 3;
@@ -40,7 +40,7 @@ float clamp_texel(float x, int size) {
 
 }  // namespace
 
-void DepthMap::reset(const LightView& view) {
+void DepthMap::reset(const LightPlane& view) {
   view_ = view;
   const size_t count = static_cast<size_t>(view.width) * view.height;
   texels_.resize(count);
@@ -76,7 +76,7 @@ void DepthMap::draw_strands(const StrandSet& strands) {
   sort_segments(strands);
   const int bands = (view_.height + band_rows - 1) / band_rows;
   parallel_for(static_cast<size_t>(bands), 1, [&](size_t begin, size_t end) {
-    for (size_t band = begin; band < end; ++band) draw_band(static_cast<int>(band), strands);
+    for (size_t band = begin; band < end; ++band) draw_band(static_cast<int>(band));
   });
   parallel_for(runs_.size(), 1, [&](size_t begin, size_t end) {
     for (size_t run = begin; run < end; ++run) {
@@ -125,60 +125,100 @@ void DepthMap::sort_segments(const StrandSet& strands) {
   });
 }
 
-void DepthMap::draw_band(int band, const StrandSet&) {
+template <bool steep>
+void DepthMap::draw_line(const vec4& a, const vec4& b, int row0, int row1) {
+  // `main` runs along the longer axis, `cross` along the other.
+  constexpr int main = steep ? 1 : 0;
+  constexpr int cross = 1 - main;
+  const float main_d = b[main] - a[main];
+  if (!(std::abs(main_d) > 0)) return;
+  const float cross_d = b[cross] - a[cross];
+  const int low_main = steep ? row0 : 0;
+  const int high_main = steep ? row1 : view_.width;
+  const int low_cross = steep ? 0 : row0;
+  const int high_cross = steep ? view_.width : row1;
+  const int first = std::max(low_main, first_center(std::max(-1.0f, std::min(a[main], b[main]))));
+  const int last = std::min(high_main, first_center(std::max(-1.0f, std::max(a[main], b[main]))));
+  const float slope = 1 / main_d;
+  const float stretch = std::sqrt(1 + cross_d * cross_d * slope * slope);
+  const float half_d = (b.w - a.w) * stretch;
+  for (int i = first; i < last; ++i) {
+    const float t = (static_cast<float>(i) + 0.5f - a[main]) * slope;
+    const float center = a[cross] + t * cross_d;
+    const float half = a.w * stretch + t * half_d;
+    const int low = std::max(low_cross, first_center(std::max(-1.0f, center - half)));
+    const int high = std::min(high_cross, first_center(std::max(-1.0f, center + half)));
+    const float nearness = a.z + t * (b.z - a.z);
+    for (int j = low; j < high; ++j) {
+      const int x = steep ? j : i;
+      const int y = steep ? i : j;
+      float& texel = texels_[static_cast<size_t>(y) * view_.width + x];
+      texel = std::max(texel, nearness);
+    }
+  }
+}
+
+void DepthMap::draw_band(int band) {
   const int row0 = band * band_rows;
   const int row1 = std::min(view_.height, row0 + band_rows);
-  const int width = view_.width;
-  float* texels = texels_.data();
-  const auto put = [texels, width](int x, int y, float nearness) {
-    float& texel = texels[static_cast<size_t>(y) * width + x];
-    texel = std::max(texel, nearness);
-  };
   for (const Bands& run : runs_) {
     for (const uint32_t segment : run.segments[band]) {
       const vec4& a = projected_[segment];
       const vec4& b = projected_[segment + 1];
-      const float du = b.x - a.x;
-      const float dv = b.y - a.y;
-      if (std::abs(dv) >= std::abs(du)) {
-        if (!(std::abs(dv) > 0)) continue;
-        const int first = std::max(row0, first_center(std::max(-1.0f, std::min(a.y, b.y))));
-        const int last = std::min(row1, first_center(std::max(-1.0f, std::max(a.y, b.y))));
-        const float slope = 1 / dv;
-        const float stretch = std::sqrt(1 + du * du * slope * slope);
-        const float half_a = a.w * stretch;
-        const float half_d = (b.w - a.w) * stretch;
-        for (int y = first; y < last; ++y) {
-          const float t = (static_cast<float>(y) + 0.5f - a.y) * slope;
-          const float center = a.x + t * du;
-          const float half = half_a + t * half_d;
-          const int x0 = std::max(0, first_center(std::max(-1.0f, center - half)));
-          const int x1 = std::min(width, first_center(std::max(-1.0f, center + half)));
-          const float nearness = a.z + t * (b.z - a.z);
-          for (int x = x0; x < x1; ++x) put(x, y, nearness);
-        }
+      if (std::abs(b.y - a.y) >= std::abs(b.x - a.x)) {
+        draw_line<true>(a, b, row0, row1);
       } else {
-        const float slope = 1 / du;
-        const float stretch = std::sqrt(1 + dv * dv * slope * slope);
-        const float half_a = a.w * stretch;
-        const float half_d = (b.w - a.w) * stretch;
-        const int first = std::max(0, first_center(std::max(-1.0f, std::min(a.x, b.x))));
-        const int last = std::min(width, first_center(std::max(-1.0f, std::max(a.x, b.x))));
-        for (int x = first; x < last; ++x) {
-          const float t = (static_cast<float>(x) + 0.5f - a.x) * slope;
-          const float center = a.y + t * dv;
-          const float half = half_a + t * half_d;
-          const int y0 = std::max(row0, first_center(std::max(-1.0f, center - half)));
-          const int y1 = std::min(row1, first_center(std::max(-1.0f, center + half)));
-          const float nearness = a.z + t * (b.z - a.z);
-          for (int y = y0; y < y1; ++y) put(x, y, nearness);
-        }
+        draw_line<false>(a, b, row0, row1);
       }
     }
   }
 }
 
-void DepthMap::draw(const ThinPiece& piece) {
+bool DepthMap::may_hold(const Bounds& box) const {
+  // Corners in the light's frame: all beyond one side of the view means nothing of it is seen.
+  int beyond[5] = {};
+  for (int i = 0; i < 8; ++i) {
+    const vec3 p = view_.to_light({(i & 1) != 0 ? box.high.x : box.low.x,
+                                   (i & 2) != 0 ? box.high.y : box.low.y,
+                                   (i & 4) != 0 ? box.high.z : box.low.z});
+    const float depth = view_.perspective ? p.z : 1.0f;
+    const float u = view_.scale * p.x + view_.offset_u * depth;
+    const float v = view_.scale * p.y + view_.offset_v * depth;
+    beyond[0] += u < 0;
+    beyond[1] += u > static_cast<float>(view_.width) * depth;
+    beyond[2] += v < 0;
+    beyond[3] += v > static_cast<float>(view_.height) * depth;
+    beyond[4] += depth <= 0;
+  }
+  return std::ranges::find(beyond, 8) == std::end(beyond);
+}
+
+void DepthMap::draw_triangles(const SceneStrips& strips) {
+  constexpr size_t piece_grain = 2048;
+  std::vector<std::pair<uint32_t, uint32_t>> parts;  // instance, first piece
+  for (size_t i = 0; i < strips.instance_count(); ++i) {
+    if (!strips.has_triangles(i) || !may_hold(strips.instance_bounds(i))) continue;
+    for (uint32_t first = 0; first < strips.triangle_count(i); first += piece_grain) {
+      parts.emplace_back(static_cast<uint32_t>(i), first);
+    }
+  }
+  parallel_for(parts.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      strips.visit_triangles(parts[i].first, parts[i].second, parts[i].second + piece_grain,
+                             [&](const Strip& piece) { draw(piece); });
+    }
+  });
+}
+
+uint64_t DepthMap::memory_bytes() const {
+  uint64_t bytes = texels_.size() * sizeof(float) + projected_.size() * sizeof(vec4);
+  for (const Bands& run : runs_) {
+    for (const auto& band : run.segments) bytes += band.capacity() * sizeof(uint32_t);
+  }
+  return bytes;
+}
+
+void DepthMap::draw(const Strip& piece) {
   const vec3 a = view_.to_light(piece.p0);
   const vec3 b = view_.to_light(piece.p1);
   if (piece.is_strand()) {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "shadow/light_view.h"
+#include "shadow/light_plane.h"
 #include "shadow/strips.h"
 
 namespace relume {
@@ -14,32 +14,39 @@ namespace relume {
 class DepthMap {
  public:
   DepthMap() = default;
-  explicit DepthMap(const LightView& view) { reset(view); }
+  explicit DepthMap(const LightPlane& view) { reset(view); }
 
   /// Empties the map and gives it a new view; keeps its memory.
-  void reset(const LightView& view);
+  void reset(const LightPlane& view);
 
-  const LightView& view() const { return view_; }
+  const LightPlane& view() const { return view_; }
   /// Rows of view().width texels.
   const float* texels() const { return texels_.data(); }
-  size_t memory_bytes() const { return texels_.size() * sizeof(float); }
+  uint64_t memory_bytes() const;
 
   /// Draws a piece; thread-safe among themselves. Cut-outs are drawn whole.
-  void draw(const ThinPiece& piece);
+  void draw(const Strip& piece);
+
+  /// Draws the triangles of all instances with all threads; instances that the view does not hold
+  /// cost nothing.
+  void draw_triangles(const SceneStrips& strips);
 
   /// Draws all strands with all threads, each thread rows of its own.
   void draw_strands(const StrandSet& strands);
 
  private:
   void draw_strand(vec3 a, vec3 b, float radius_a, float radius_b);
-  void draw_thin(const LightView::Projection& a, const LightView::Projection& b, float half_a,
+  void draw_thin(const LightPlane::Projection& a, const LightPlane::Projection& b, float half_a,
                  float half_b);
   void draw_triangle(vec3 a, vec3 b, vec3 c);
-  void fill_triangle(const LightView::Projection& a, const LightView::Projection& b,
-                     const LightView::Projection& c);
+  void fill_triangle(const LightPlane::Projection& a, const LightPlane::Projection& b,
+                     const LightPlane::Projection& c);
   void raise(int x, int y, float nearness);
   void sort_segments(const StrandSet& strands);
-  void draw_band(int band, const StrandSet& strands);
+  void draw_band(int band);
+  template <bool steep>
+  void draw_line(const vec4& a, const vec4& b, int row0, int row1);
+  bool may_hold(const Bounds& box) const;
 
   /// Segments that a run of them puts into each band of rows.
   struct Bands {
@@ -47,7 +54,7 @@ class DepthMap {
     std::vector<uint32_t> odd;  ///< those too wide or too near to be lines
   };
 
-  LightView view_;
+  LightPlane view_;
   std::vector<float> texels_;
   std::vector<vec4> projected_;  ///< of the strands' points: u, v, nearness, half width; texels
   std::vector<Bands> runs_;

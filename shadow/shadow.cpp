@@ -1,6 +1,7 @@
 #include "shadow/shadow.h"
 
 #include "shadow/members.h"
+#include "shadow/receiver_boxes.h"
 #include "shadow/traced.h"
 
 namespace relume {
@@ -15,6 +16,12 @@ std::unique_ptr<VisibilitySource> make_shadow(ShadowMethod method, const Tracer&
       return std::make_unique<TracedVisibility>(tracer);
     case ShadowMethod::members:
       return std::make_unique<MemberVisibility>(tracer, cache, params.member_rays);
+    case ShadowMethod::opacity:
+      return std::make_unique<OpacityVisibility>(
+          tracer.scene(), receiver_boxes(ViewReceivers(cache)), params.opacity);
+    case ShadowMethod::volume:
+      return std::make_unique<VolumeVisibility>(
+          tracer.scene(), receiver_boxes(ViewReceivers(cache)), params.volume);
   }
   return nullptr;
 }

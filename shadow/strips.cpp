@@ -34,7 +34,7 @@ uint32_t morton_code(const Bounds& box, vec3 p) {
 
 }  // namespace
 
-ThinGeometry::ThinGeometry(const Scene& scene) : scene_(scene) {
+SceneStrips::SceneStrips(const Scene& scene, bool all) : scene_(scene) {
   for (const Material& material : scene.materials) {
     const bool has_mask = material.alpha_texture >= 0;
     material_fill_.push_back(has_mask ? mask_fill(scene.textures[material.alpha_texture], material)
@@ -43,14 +43,16 @@ ThinGeometry::ThinGeometry(const Scene& scene) : scene_(scene) {
   }
   std::vector<uint64_t> copies(scene.prototypes.size(), 0);
   for (const Instance& instance : scene.instances) ++copies[instance.prototype];
-  for (const uint64_t count : copies) many_.push_back(count >= thin_copies);
+  for (const uint64_t count : copies) many_.push_back(all || count >= thin_copies);
   // Bounds and counts once a prototype, in its own space.
   std::vector<Bounds> local(scene.prototypes.size());
   std::vector<uint64_t> pieces(scene.prototypes.size(), 0);
   has_triangles_.assign(scene.prototypes.size(), false);
+  triangles_.assign(scene.prototypes.size(), 0);
   for (size_t p = 0; p < scene.prototypes.size(); ++p) {
     for (const auto& shape : scene.prototypes[p].shapes) {
       if (const Mesh* mesh = std::get_if<Mesh>(&shape)) {
+        triangles_[p] += static_cast<uint32_t>(mesh->triangles.size());
         for (size_t t = 0; t < mesh->triangles.size(); ++t) {
           if (!is_thin(*mesh, t, many_[p])) continue;
           ++pieces[p];
@@ -76,7 +78,7 @@ ThinGeometry::ThinGeometry(const Scene& scene) : scene_(scene) {
   }
 }
 
-StrandSet ThinGeometry::strands() const {
+StrandSet SceneStrips::strands() const {
   struct Root {
     uint32_t key;
     uint32_t instance;
@@ -111,7 +113,7 @@ StrandSet ThinGeometry::strands() const {
   return set;
 }
 
-Scene ThinGeometry::solids() const {
+Scene SceneStrips::solids() const {
   Scene solids;
   solids.name = scene_.name;
   solids.shaders = scene_.shaders;

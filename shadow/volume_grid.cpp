@@ -42,7 +42,7 @@ std::array<float, 6> square(vec3 v) {
 /// Pieces are laid down in steps of half a cell.
 constexpr float steps_per_cell = 2;
 
-void add_strand(const ThinPiece& piece, vec3 p0, vec3 p1, float inverse_cell, Chunk& chunk) {
+void add_strand(const Strip& piece, vec3 p0, vec3 p1, float inverse_cell, Chunk& chunk) {
   const vec3 d = p1 - p0;
   const float length = glm::length(d);
   if (!(length > 0)) return;
@@ -53,11 +53,12 @@ void add_strand(const ThinPiece& piece, vec3 p0, vec3 p1, float inverse_cell, Ch
   for (int i = 0; i < steps; ++i) {
     const float u = (static_cast<float>(i) + 0.5f) * step;
     const float width = 2 * (piece.r0 + (piece.r1 - piece.r0) * u) * inverse_cell;
-    chunk.add(p0 + d * u, width * length * step, moments);
+    const float area = width * length * step;
+    chunk.add(p0 + d * u, area * clumping(width, length), moments);
   }
 }
 
-void add_triangle(const ThinPiece& piece, vec3 p0, vec3 p1, vec3 p2, Chunk& chunk) {
+void add_triangle(const Strip& piece, vec3 p0, vec3 p1, vec3 p2, Chunk& chunk) {
   const vec3 e1 = p1 - p0;
   const vec3 e2 = p2 - p0;
   const vec3 normal = glm::cross(e1, e2);
@@ -67,7 +68,8 @@ void add_triangle(const ThinPiece& piece, vec3 p0, vec3 p1, vec3 p2, Chunk& chun
   const float longest = std::max({glm::length(e1), glm::length(e2), glm::length(p2 - p1)});
   const int steps = std::max(1, static_cast<int>(std::ceil(longest * steps_per_cell)));
   const float step = 1 / static_cast<float>(steps);
-  const float area = 0.5f * length * piece.fill * step * step;
+  const float clumped = clumping(length / longest, longest);
+  const float area = 0.5f * length * piece.fill * step * step * clumped;
   // steps^2 equal triangles, upright and upside down.
   for (int i = 0; i < steps; ++i) {
     for (int j = 0; i + j < steps; ++j) {
@@ -80,7 +82,7 @@ void add_triangle(const ThinPiece& piece, vec3 p0, vec3 p1, vec3 p2, Chunk& chun
   }
 }
 
-void add_piece(const ThinPiece& piece, float inverse_cell, Chunk& chunk) {
+void add_piece(const Strip& piece, float inverse_cell, Chunk& chunk) {
   const auto to_cells = [&](vec3 p) { return (p - chunk.grid.origin) * inverse_cell; };
   const vec3 p0 = to_cells(piece.p0);
   const vec3 p1 = to_cells(piece.p1);
@@ -104,7 +106,7 @@ struct ChunkCells {
   std::vector<std::array<int8_t, 6>> moments;
 };
 
-ChunkCells fill_chunk(const ThinGeometry& thin, const VolumeGrid& grid, int z0, int z1) {
+ChunkCells fill_chunk(const SceneStrips& thin, const VolumeGrid& grid, int z0, int z1) {
   Chunk chunk{grid, z0, z1, {}};
   const size_t layer = static_cast<size_t>(grid.size[0]) * grid.size[1];
   chunk.cells.resize(layer * (z1 - z0));
@@ -114,7 +116,7 @@ ChunkCells fill_chunk(const ThinGeometry& thin, const VolumeGrid& grid, int z0, 
   for (size_t i = 0; i < thin.instance_count(); ++i) {
     const Bounds& box = thin.instance_bounds(i);
     if (box.empty() || box.high.z < low || box.low.z > high) continue;
-    thin.visit(i, [&](const ThinPiece& piece) { add_piece(piece, inverse_cell, chunk); });
+    thin.visit(i, [&](const Strip& piece) { add_piece(piece, inverse_cell, chunk); });
   }
   ChunkCells out;
   for (size_t i = 0; i < chunk.cells.size(); ++i) {
@@ -158,11 +160,16 @@ VolumeGrid place_grid_within(const Bounds& box, uint64_t limit) {
 
 }  // namespace
 
+float clumping(float width, float length) {
+  const float filled = width / (width + 1) * (length / (length + 1));
+  return filled > 1e-4f ? -std::log1p(-filled) / filled : 1.0f;
+}
+
 size_t VolumeGrid::memory_bytes() const {
   return occupied.size() * (sizeof(uint32_t) + sizeof(float) + sizeof(moments[0]));
 }
 
-VolumeGrid make_volume_grid(const ThinGeometry& thin, const VolumeParams& params,
+VolumeGrid make_volume_grid(const SceneStrips& thin, const VolumeParams& params,
                             const Bounds& region) {
   const Bounds box = region.empty() ? thin.bounds() : region;
   CHECK_MSG(params.max_cells >= 65536 && params.max_cells < uint64_t{1} << 31, "max_cells {}",

@@ -8,11 +8,19 @@
 
 namespace relume {
 
-/// How finely thin geometry is cut into cells. A cell costs 2 bytes, one that holds geometry 20.
+/// How finely thin geometry is cut into cells and marched through. A cell costs 2 bytes, one that
+/// holds geometry 14 more.
 struct VolumeParams {
   uint64_t max_cells = 48'000'000;    ///< of the finest level, empty ones included
-  uint64_t max_occupied = 5'000'000;  ///< cells that hold geometry; the grid coarsens to stay below
+  uint64_t max_occupied = 5'000'000;  ///< that hold geometry; the grid coarsens to stay below
+  float gap = 0.5f;                   ///< cells along the ray that are skipped at the receiver
+  int steps = 6;                      ///< slabs that a ray crosses in each level before the next
 };
+
+/// How much more than its area a piece of `width` x `length` cells counts for, >= 1: where it is
+/// met it fills C = width / (width + 1) * length / (length + 1) of a cell's face, and what it lets
+/// pass there, 1 - C, must come out of cells that multiply about exp(-area): -ln(1 - C) / C.
+float clumping(float width, float length);
 
 /// The projected area of thin geometry, cell by cell, for any direction: light-independent, built
 /// once a scene. A cell's area seen along the unit vector w is sqrt(area * w^T Q w), in units of a
@@ -26,7 +34,7 @@ struct VolumeGrid {
   std::array<int, 3> size{};  ///< cells by axis, multiples of volume_alignment
   std::vector<uint32_t>
       occupied;             ///< cells with geometry, ascending: (z * size_y + y) * size_x + x
-  std::vector<float> area;  ///< parallel: total area
+  std::vector<float> area;  ///< parallel: total area, each piece's times its clumping
   std::vector<std::array<int8_t, 6>> moments;  ///< parallel: Q / area * 127: xx yy zz xy xz yz
 
   uint64_t cell_count() const { return uint64_t{1} * size[0] * size[1] * size[2]; }
@@ -37,7 +45,7 @@ struct VolumeGrid {
 inline constexpr int volume_alignment = 16;
 
 /// Cuts the thin geometry of a scene. `region` empty: its bounds. Deterministic, all threads.
-VolumeGrid make_volume_grid(const ThinGeometry& thin, const VolumeParams& params,
+VolumeGrid make_volume_grid(const SceneStrips& thin, const VolumeParams& params,
                             const Bounds& region = {});
 
 }  // namespace relume

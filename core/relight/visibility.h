@@ -35,6 +35,9 @@ class VisibilitySource {
   /// The same for all receivers of the view, by index, where prepare() did the work; else empty.
   /// Then no record is decoded to ask for it. Valid until the next prepare().
   virtual std::span<const float> all_visibility() const { return {}; }
+
+  /// What the method keeps beside the scene and its ray tracer.
+  virtual uint64_t memory_bytes() const { return 0; }
 };
 
 }  // namespace relume

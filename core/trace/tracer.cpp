@@ -391,6 +391,9 @@ bool Tracer::occluded(const Ray& ray) const {
   return query.ray.tfar < 0;
 }
 
+const Scene& Tracer::scene() const {
+  return impl_->scene;
+}
 const TracerStats& Tracer::stats() const {
   return impl_->stats;
 }

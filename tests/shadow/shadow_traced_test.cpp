@@ -187,6 +187,8 @@ TEST(ShadowMethods, MakeWhatTheyName) {
   EXPECT_EQ(make_shadow(ShadowMethod::none, tracer, cache), nullptr);
   EXPECT_NE(make_shadow(ShadowMethod::ray, tracer, cache), nullptr);
   EXPECT_NE(make_shadow(ShadowMethod::members, tracer, cache), nullptr);
+  EXPECT_NE(make_shadow(ShadowMethod::opacity, tracer, cache), nullptr);
+  EXPECT_NE(make_shadow(ShadowMethod::volume, tracer, cache), nullptr);
 }
 
 }  // namespace

@@ -24,7 +24,8 @@ struct Setting {
   const Scene& scene;
   const Tracer& tracer;
   const ShadowStudyParams& params;
-  ViewSampler view;  ///< at params.spp
+  ViewSampler view;         ///< at params.spp
+  ViewSampler sparse_view;  ///< at one sample a pixel
   StudyWindow window;
 };
 
@@ -32,6 +33,7 @@ ReductionParams make_reduction(const Setting& setting, ReductionMethod method, i
   ReductionParams reduction;
   reduction.method = method;
   reduction.records = records;
+  reduction.stored_members = max_members;
   reduction.seed = setting.params.seed;
   reduction.scene_radius = std::max(setting.tracer.bounds().radius(), 1e-30f);
   return reduction;
@@ -57,18 +59,8 @@ CacheInfo make_window_info(const Setting& setting, const ReductionParams& reduct
   return info;
 }
 
-SampleTile empty_tile(const TileRectangle& place, size_t types) {
-  SampleTile tile;
-  tile.x0 = place.x0;
-  tile.y0 = place.y0;
-  tile.width = place.width;
-  tile.height = place.height;
-  tile.types.resize(types);
-  for (TypedRows& rows : tile.types) rows.first.assign(tile.pixel_count() + size_t{1}, 0);
-  return tile;
-}
-
-/// The records of the window, in a cache of the whole picture that is empty elsewhere.
+/// The records of the window; elsewhere one sample a pixel, so that methods that fit themselves to
+/// all receivers do so.
 RelightCache prepare_window(const Setting& setting, ReductionMethod method, int records) {
   const ReductionParams reduction = make_reduction(setting, method, records);
   const auto lights =
@@ -78,9 +70,9 @@ RelightCache prepare_window(const Setting& setting, ReductionMethod method, int 
     for (size_t i = begin; i < end; ++i) {
       const TileRectangle place = tile_rectangle(setting.view, static_cast<int>(i));
       const std::vector<SampleType>& types = setting.view.types.types;
-      const SampleTile tile = setting.window.contains(place)
-                                  ? sample_tile(setting.view, static_cast<int>(i))
-                                  : empty_tile(place, types.size());
+      const bool inside = setting.window.contains(place);
+      const SampleTile tile =
+          sample_tile(inside ? setting.view : setting.sparse_view, static_cast<int>(i));
       const SampleTile reduced =
           reduce_tile(tile, types, reduction, setting.view.width, lights->lights());
       packed[i] = pack_tile(reduced, types, {CacheFormat::exact, setting.scene.camera});
@@ -178,15 +170,23 @@ ShadowFigure measure_trial(const Setting& setting, const ShadowStudy& study,
   const double covered =
       mean_over(study.truth.covered, std::vector<float>(study.truth.covered.size(), 1.0f)) *
       static_cast<double>(study.truth.covered.size());
-  figure.average_records = static_cast<double>(cache.info().record_count) / std::max(1.0, covered);
+  double records = 0;
+  for (const float count : crop(cache.record_counts(), 1, cache.info().width, setting.window)) {
+    records += count;
+  }
+  figure.average_records = records / std::max(1.0, covered);
   const auto source = make_shadow(trial.shadow, setting.tracer, cache);
-  if (source != nullptr) figure.structure_bytes = setting.tracer.stats().memory_bytes;
   ReferenceFrames frames(study.lights.size());
   for (size_t l = 0; l < study.lights.size(); ++l) {
     figure.lights.push_back(
         measure_light(setting, study, l, cache, source.get(), reference, frames[l]));
   }
   if (reference.empty()) reference = std::move(frames);
+  const bool is_traced = trial.shadow == ShadowMethod::ray || trial.shadow == ShadowMethod::members;
+  if (source != nullptr) {
+    figure.structure_bytes =
+        is_traced ? setting.tracer.stats().memory_bytes : source->memory_bytes();
+  }
   return figure;
 }
 
@@ -297,8 +297,11 @@ ShadowStudy study_shadows(const Scene& scene, const Tracer& tracer, const Shadow
   ShadowStudy study;
   study.lights = make_study_lights(scene, focus, params.steps);
   study.window = make_window(params.window, 0.5f * vec2(width, height), width, height);
-  const Setting setting{scene, tracer, params,
+  const Setting setting{scene,
+                        tracer,
+                        params,
                         make_view_sampler(scene, tracer, width, height, params.spp, params.seed),
+                        make_view_sampler(scene, tracer, width, height, 1, params.seed),
                         study.window};
   study.truth = trace_truth(make_view_sampler(scene, tracer, width, height, params.truth_spp,
                                               params.seed + truth_seed_offset),

@@ -9,7 +9,7 @@ namespace relume {
 
 /// A picture plane as a light sees it: square texels over a rectangle of one of six directions. A
 /// point light sees 90 degrees a direction; a directional one has a single, parallel view.
-struct LightView {
+struct LightPlane {
   vec3 origin{0};  ///< world: the light; directional: the middle of the receivers
   vec3 x{1, 0, 0};
   vec3 y{0, 1, 0};
@@ -55,10 +55,10 @@ struct LightView {
 /// `max_texels` texels altogether and one texel density. Views that would see no box are left out.
 /// `casters` bounds what can stand between. A light farther than 10,000 radii of the boxes is taken
 /// as parallel.
-std::vector<LightView> make_light_views(const Light& light, std::span<const Bounds> boxes,
-                                        const Bounds& casters, uint64_t max_texels);
+std::vector<LightPlane> fit_light_planes(const Light& light, std::span<const Bounds> boxes,
+                                         const Bounds& casters, uint64_t max_texels);
 
 /// Which of the views sees `p_world`: the one within whose 45 degrees it lies; -1 for none.
-int find_view(std::span<const LightView> views, vec3 p_world);
+int find_plane(std::span<const LightPlane> views, vec3 p_world);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-#include "shadow/light_view.h"
+#include "shadow/light_plane.h"
 
 #include "core/math/frame.h"
 
@@ -27,7 +27,7 @@ vec3 corner_of(const Bounds& box, int i) {
 }
 
 /// Extends `seen` by what a perspective view sees of a box.
-void extend_perspective(const LightView& view, const Bounds& box, Rectangle& seen) {
+void extend_perspective(const LightPlane& view, const Bounds& box, Rectangle& seen) {
   vec3 corners[8];
   int outside[5] = {};  // corners beyond the four sides and behind
   for (int i = 0; i < 8; ++i) {
@@ -52,7 +52,7 @@ void extend_perspective(const LightView& view, const Bounds& box, Rectangle& see
   }
 }
 
-void place_texels(const Rectangle& seen, float scale, LightView& view) {
+void place_texels(const Rectangle& seen, float scale, LightPlane& view) {
   view.scale = scale;
   const vec2 size = (seen.high - seen.low) * scale + 2 * margin_texels + 1.0f;
   view.width = static_cast<int>(std::min(size.x, float{max_side}));
@@ -69,10 +69,10 @@ float texel_density(double area, double side, uint64_t max_texels) {
   return static_cast<float>(std::min(limit, wanted));
 }
 
-std::vector<LightView> make_parallel_view(vec3 direction, std::span<const Bounds> boxes,
-                                          const Bounds& all, const Bounds& casters,
-                                          uint64_t max_texels) {
-  LightView view;
+std::vector<LightPlane> make_parallel_view(vec3 direction, std::span<const Bounds> boxes,
+                                           const Bounds& all, const Bounds& casters,
+                                           uint64_t max_texels) {
+  LightPlane view;
   view.perspective = false;
   view.origin = all.center();
   view.z = direction;
@@ -99,8 +99,8 @@ std::vector<LightView> make_parallel_view(vec3 direction, std::span<const Bounds
 
 }  // namespace
 
-std::vector<LightView> make_light_views(const Light& light, std::span<const Bounds> boxes,
-                                        const Bounds& casters, uint64_t max_texels) {
+std::vector<LightPlane> fit_light_planes(const Light& light, std::span<const Bounds> boxes,
+                                         const Bounds& casters, uint64_t max_texels) {
   Bounds all;
   for (const Bounds& box : boxes) all.extend(box);
   if (all.empty()) return {};
@@ -118,12 +118,12 @@ std::vector<LightView> make_light_views(const Light& light, std::span<const Boun
   const vec3 forward = normalize_or(vec3(offset), travel);
   const Frame frame = make_frame(forward);
   const vec3 axes[3] = {frame.tangent, frame.bitangent, forward};
-  std::vector<LightView> views;
+  std::vector<LightPlane> views;
   std::vector<Rectangle> rectangles;
   double area = 0;
   double side = 0;
   for (int face = 0; face < 6; ++face) {
-    LightView view;
+    LightPlane view;
     view.origin = light.position;
     const int axis = face % 3;
     view.x = axes[(axis + 1) % 3];
@@ -147,7 +147,7 @@ std::vector<LightView> make_light_views(const Light& light, std::span<const Boun
   return views;
 }
 
-int find_view(std::span<const LightView> views, vec3 p_world) {
+int find_plane(std::span<const LightPlane> views, vec3 p_world) {
   for (size_t i = 0; i < views.size(); ++i) {
     if (!views[i].perspective) return static_cast<int>(i);
     const vec3 p = views[i].to_light(p_world);
