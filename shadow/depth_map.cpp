@@ -58,7 +58,7 @@ void DepthMap::raise(int x, int y, float nearness) {
   }
 }
 
-void DepthMap::draw_strands(const StrandSet& strands) {
+void DepthMap::draw_strands(const StrandSet& strands, std::span<const uint8_t> hidden) {
   projected_.resize(strands.points.size());
   parallel_for(strands.points.size(), 8192, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -73,7 +73,7 @@ void DepthMap::draw_strands(const StrandSet& strands) {
       projected_[i] = vec4(at.u, at.v, at.nearness, half);
     }
   });
-  sort_segments(strands);
+  sort_segments(strands, hidden);
   const int bands = (view_.height + band_rows - 1) / band_rows;
   parallel_for(static_cast<size_t>(bands), 1, [&](size_t begin, size_t end) {
     for (size_t band = begin; band < end; ++band) draw_band(static_cast<int>(band));
@@ -89,7 +89,7 @@ void DepthMap::draw_strands(const StrandSet& strands) {
   });
 }
 
-void DepthMap::sort_segments(const StrandSet& strands) {
+void DepthMap::sort_segments(const StrandSet& strands, std::span<const uint8_t> hidden) {
   const size_t count = strands.segments.size();
   const int bands = (view_.height + band_rows - 1) / band_rows;
   runs_.resize((count + run_segments - 1) / run_segments);
@@ -104,6 +104,7 @@ void DepthMap::sort_segments(const StrandSet& strands) {
       const size_t last = std::min(count, (run + 1) * run_segments);
       for (size_t i = run * run_segments; i < last; ++i) {
         const uint32_t segment = strands.segments[i];
+        if (!hidden.empty() && hidden[segment] != 0 && hidden[segment + 1] != 0) continue;
         const vec4& a = projected_[segment];
         const vec4& b = projected_[segment + 1];
         const float half = std::max(a.w, b.w);

@@ -31,8 +31,9 @@ class DepthMap {
   /// cost nothing.
   void draw_triangles(const SceneStrips& strips);
 
-  /// Draws all strands with all threads, each thread rows of its own.
-  void draw_strands(const StrandSet& strands);
+  /// Draws all strands with all threads, each thread rows of its own. Segments both of whose points
+  /// are 1 in `hidden`, by point or empty, are left out.
+  void draw_strands(const StrandSet& strands, std::span<const uint8_t> hidden = {});
 
  private:
   void draw_strand(vec3 a, vec3 b, float radius_a, float radius_b);
@@ -42,7 +43,7 @@ class DepthMap {
   void fill_triangle(const LightPlane::Projection& a, const LightPlane::Projection& b,
                      const LightPlane::Projection& c);
   void raise(int x, int y, float nearness);
-  void sort_segments(const StrandSet& strands);
+  void sort_segments(const StrandSet& strands, std::span<const uint8_t> hidden);
   void draw_band(int band);
   template <bool steep>
   void draw_line(const vec4& a, const vec4& b, int row0, int row1);

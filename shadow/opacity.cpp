@@ -14,7 +14,7 @@ OpacityVisibility::OpacityVisibility(const Scene& scene, const std::vector<Bound
 }
 
 uint64_t OpacityVisibility::memory_bytes() const {
-  uint64_t bytes = solids_.memory_bytes() + strands_.memory_bytes();
+  uint64_t bytes = solids_.memory_bytes() + strands_.memory_bytes() + hidden_.size();
   for (const DepthMap& map : maps_) bytes += map.memory_bytes();
   return bytes;
 }
@@ -27,10 +27,11 @@ void OpacityVisibility::prepare(const Light& light) {
   lookups_.clear();
   if (thin_.empty()) return;
   const auto views = fit_light_planes(light, boxes_, thin_.bounds(), params_.max_texels);
+  solids_.mark_hidden(strands_.points, hidden_);
   maps_.resize(views.size());
   for (size_t i = 0; i < views.size(); ++i) {
     maps_[i].reset(views[i]);
-    maps_[i].draw_strands(strands_);
+    maps_[i].draw_strands(strands_, hidden_);
     maps_[i].draw_triangles(thin_);
     lookups_.push_back(make_depth_lookup(maps_[i], params_.bias_texels));
   }

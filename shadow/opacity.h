@@ -16,10 +16,11 @@ struct OpacityParams {
 /// leaf takes the texels whose centres it covers, so that its coverage is fractional over a few
 /// texels however thin it is, without layers, and needs no law for how layers add up. A receiver
 /// averages the texels within one of its place. Maps are fitted to the receivers; a light among
-/// them has up to six. Solids are exact (SolidShadow). A light move draws all thin geometry.
+/// them has up to six. Solids are exact (SolidShadow). A light move draws all thin geometry but
+/// strands deep in their shadow.
 ///
 /// The rule for a receiver's own surroundings: geometry nearer than its bias and bias_texels texels
-/// before it is not seen. Adding geometry never brightens. Cut-outs are drawn whole.
+/// before it is not seen. Adding thin geometry never brightens. Cut-outs are drawn whole.
 class OpacityVisibility final : public VisibilitySource {
  public:
   /// Keeps a reference to `scene`. `boxes`: bounds that hold all receivers that will be asked for;
@@ -36,6 +37,7 @@ class OpacityVisibility final : public VisibilitySource {
   LookupKernels kernels_;
   SceneStrips thin_;
   StrandSet strands_;
+  std::vector<uint8_t> hidden_;  ///< by point of the strands: deep in the shadow of solids
   std::vector<Bounds> boxes_;
   SolidShadow solids_;
   std::vector<DepthMap> maps_;

@@ -68,6 +68,31 @@ void SolidShadow::prepare(const Light& light) {
   }
 }
 
+void SolidShadow::mark_hidden(std::span<const vec4> points, std::vector<uint8_t>& hidden) const {
+  hidden.assign(points.size(), 0);
+  if (lookups_.empty()) return;
+  const size_t groups = (points.size() + lookup_lanes - 1) / lookup_lanes;
+  parallel_for(groups, 512, [&](size_t begin, size_t end) {
+    float position[3][lookup_lanes];
+    const float bias[lookup_lanes] = {};
+    for (size_t group = begin; group < end; ++group) {
+      const size_t first = group * lookup_lanes;
+      for (size_t lane = 0; lane < lookup_lanes; ++lane) {
+        const vec4 p = points[std::min(first + lane, points.size() - 1)];
+        for (int axis = 0; axis < 3; ++axis) position[axis][lane] = p[axis];
+      }
+      float state[lookup_lanes];
+      std::fill(std::begin(state), std::end(state), 2.0f);
+      for (const DepthLookup& lookup : lookups_) {
+        kernels_.sort_by_depth(lookup, {{position[0], position[1], position[2]}, bias}, state);
+      }
+      for (size_t lane = 0; lane < lookup_lanes && first + lane < points.size(); ++lane) {
+        hidden[first + lane] = state[lane] == 1 ? 1 : 0;
+      }
+    }
+  });
+}
+
 void SolidShadow::apply(LookupChunk& chunk) const {
   if (empty() || !chunk.any_lit) return;
   float state[lookup_lanes];

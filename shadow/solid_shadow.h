@@ -25,6 +25,10 @@ class SolidShadow {
   /// Multiplies each lit lane's visibility, not 0, by whether solids let the light through.
   void apply(LookupChunk& chunk) const;
 
+  /// Which of `points` (position, anything) lie so deep in a solid's shadow that their map says so
+  /// without rays: 1, else 0. All threads.
+  void mark_hidden(std::span<const vec4> points, std::vector<uint8_t>& hidden) const;
+
   bool empty() const { return tracer_ == nullptr; }
   uint64_t memory_bytes() const;
 
