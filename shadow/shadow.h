@@ -14,14 +14,16 @@ namespace relume {
 
 /// Shadow approximators. `none` sees every light from everywhere; `ray` traces one ray a receiver,
 /// from its anchor (TR2007-600 sec. 4.2); `members` traces rays from the samples that a receiver
-/// stands for; `opacity` draws thin geometry into maps of what the light sees first; `volume` cuts
-/// it into cells whose coverage rays add up.
-enum class ShadowMethod { none, ray, members, opacity, volume };
+/// stands for; `coverage` rasterises thin geometry from the light onto the receivers' footprints;
+/// `opacity` draws it into maps of what the light sees first; `volume` cuts it into cells whose
+/// coverage rays add up.
+enum class ShadowMethod { none, ray, members, coverage, opacity, volume };
 
 inline constexpr std::array shadow_method_labels = {
     Label<ShadowMethod>{ShadowMethod::none, "none"},
     Label<ShadowMethod>{ShadowMethod::ray, "ray"},
     Label<ShadowMethod>{ShadowMethod::members, "members"},
+    Label<ShadowMethod>{ShadowMethod::coverage, "coverage"},
     Label<ShadowMethod>{ShadowMethod::opacity, "opacity"},
     Label<ShadowMethod>{ShadowMethod::volume, "volume"},
 };

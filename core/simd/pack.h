@@ -122,6 +122,27 @@ Pack<W> select(Mask<W> mask, Pack<W> a, Pack<W> b) {
   return make_pack<W>(mask.v ? a.v : b.v);
 }
 
+/// One bit a lane, lane 0 the lowest.
+template <int W>
+unsigned bits_of(Mask<W> mask) {
+#if defined(__AVX512DQ__)
+  if constexpr (W == 16) return _mm512_movepi32_mask((__m512i)mask.v);
+#endif
+#if defined(__AVX2__)
+  if constexpr (W == 8) return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask.v));
+#endif
+#if defined(__SSE4_2__)
+  if constexpr (W == 4) return static_cast<unsigned>(_mm_movemask_ps((__m128)mask.v));
+#endif
+  if constexpr (W == 1) {
+    return mask.v ? 1 : 0;
+  } else {
+    unsigned bits = 0;
+    for (int i = 0; i < W; ++i) bits |= mask.v[i] != 0 ? 1u << i : 0u;
+    return bits;
+  }
+}
+
 /// a > b ? a : b: a NaN in `a` gives b. GCC 12 does not find the instruction by itself.
 template <int W>
 Pack<W> max(Pack<W> a, Pack<W> b) {

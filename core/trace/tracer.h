@@ -50,6 +50,7 @@ class Tracer {
   /// True when anything opaque lies on the ray between t_near and t_far.
   bool occluded(const Ray& ray) const;
 
+  /// The scene it was made for.
   const Scene& scene() const;
   const TracerStats& stats() const;
   /// World bounds of everything that can be hit.

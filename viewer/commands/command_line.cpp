@@ -68,7 +68,7 @@ void add_prepare(CLI::App& app, PrepareOptions& options) {
       ->check(CLI::Range(1e-6, 1.0));
   app.add_option("--members", options.members,
                  "samples that a record remembers, for shadow rays from more than one of them; "
-                 "default 0, or 255 (all) with --shadow members")
+                 "default 0, or 255 (all) with --shadow members or coverage")
       ->check(CLI::Range(0, max_members));
   app.add_flag("--predict-error", options.predict_error,
                "store a map of predicted error (light-fit and budgets always do)");

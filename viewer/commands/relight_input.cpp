@@ -48,7 +48,8 @@ bool is_cache_path(const std::string& path) {
 }
 
 PrepareOptions prepare_for(ShadowMethod shadow, PrepareOptions options) {
-  if (shadow == ShadowMethod::members && !options.members) options.members = max_members;
+  const bool uses_members = shadow == ShadowMethod::members || shadow == ShadowMethod::coverage;
+  if (uses_members && !options.members) options.members = max_members;
   return options;
 }
 

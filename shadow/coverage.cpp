@@ -1,0 +1,193 @@
+#include "shadow/coverage.h"
+
+#include <atomic>
+
+#include "core/base/check.h"
+#include "core/base/parallel.h"
+#include "core/base/timer.h"
+
+namespace relume {
+namespace {
+
+/// Parts that geometry is projected in; their number never depends on the threads.
+constexpr size_t group_count = 32;
+/// Primitives that are held at a time; more are drawn in rounds over parts of the picture.
+constexpr uint64_t round_primitives = uint64_t{6} << 20;
+/// Marks receivers that rays have to decide.
+constexpr float undecided = -1;
+
+uint64_t primitive_count(const ThinGeometry& geometry, const ProjectionWork& work) {
+  const ThinShape& shape = geometry.shapes[geometry.instances[work.instance].shape];
+  return shape.chunks[work.chunk].primitive_count;
+}
+
+}  // namespace
+
+CoverageVisibility::CoverageVisibility(const Tracer& tracer, const RelightCache& cache,
+                                       InstructionSet set)
+    : view_(cache),
+      geometry_(make_thin_geometry(tracer.scene(), cache.info().height)),
+      all_rays_(tracer),
+      kernels_(coverage_kernels(choose_instruction_set(set))),
+      receivers_(learn_receivers(view_)),
+      visibility_(view_.count(), 1.0f) {
+  if (!geometry_.solids.instances.empty()) solids_.emplace(geometry_.solids);
+}
+
+void CoverageVisibility::prepare(const Light& light) {
+  stats_ = CoverageStats();
+  const Timer timer;
+  const LightViews lights = make_light_views(light, receivers_.center, receivers_.scale);
+  build_receiver_tree(receivers_, lights, kernels_, tree_, states_, scratch_);
+  stats_.build_ms = timer.ms();
+  stats_.receivers = tree_.items.size();
+  rasterise(lights);
+  const Timer trace_timer;
+  collect();
+  trace(light);
+  stats_.trace_ms = trace_timer.ms();
+}
+
+void CoverageVisibility::rasterise(const LightViews& lights) {
+  if (geometry_.empty() || tree_.leaves.empty()) return;
+  const std::vector<ProjectionWork> work = list_projection_work(geometry_, tree_);
+  uint64_t primitives = 0;
+  for (const ProjectionWork& item : work) primitives += primitive_count(geometry_, item);
+  const auto rounds = static_cast<uint32_t>(
+      std::min<uint64_t>(tree_.leaves.size(), primitives / round_primitives + 1));
+  const auto leaves = static_cast<uint32_t>(tree_.leaves.size());
+  for (uint32_t round = 0; round < rounds; ++round) {
+    rasterise_leaves(lights, work, static_cast<uint32_t>(uint64_t{leaves} * round / rounds),
+                     static_cast<uint32_t>(uint64_t{leaves} * (round + 1) / rounds));
+  }
+}
+
+void CoverageVisibility::rasterise_leaves(const LightViews& lights,
+                                          std::span<const ProjectionWork> work, uint32_t first_leaf,
+                                          uint32_t end_leaf) {
+  const Timer timer;
+  groups_.resize(group_count);
+  parallel_for(group_count, 1, [&](size_t begin, size_t end) {
+    ProjectionScratch scratch;
+    for (size_t g = begin; g < end; ++g) {
+      groups_[g].primitives.clear();
+      groups_[g].reaches.clear();
+      for (size_t i = work.size() * g / group_count; i < work.size() * (g + 1) / group_count; ++i) {
+        project_chunk(geometry_, receivers_, lights, tree_, work[i], first_leaf, end_leaf, scratch,
+                      groups_[g]);
+      }
+    }
+  });
+  for (const ProjectedGeometry& group : groups_) stats_.primitives += group.primitives.size();
+  stats_.project_ms += timer.ms();
+  const Timer shade_timer;
+  shade_leaves(first_leaf, end_leaf);
+  stats_.shade_ms += shade_timer.ms();
+}
+
+void CoverageVisibility::shade_leaves(uint32_t first_leaf, uint32_t end_leaf) {
+  // Per group and leaf: where its primitives start in the group's order by leaf.
+  const size_t leaves = end_leaf - first_leaf;
+  std::vector<std::vector<uint32_t>> starts(group_count);
+  std::vector<std::vector<uint32_t>> orders(group_count);
+  parallel_for(group_count, 1, [&](size_t begin, size_t end) {
+    for (size_t g = begin; g < end; ++g) {
+      std::vector<uint32_t>& start = starts[g];
+      start.assign(leaves + 2, 0);
+      for (const auto& reach : groups_[g].reaches) ++start[reach.leaf - first_leaf + 2];
+      for (size_t l = 2; l < start.size(); ++l) start[l] += start[l - 1];
+      orders[g].resize(groups_[g].reaches.size());
+      for (const auto& reach : groups_[g].reaches) {
+        orders[g][start[reach.leaf - first_leaf + 1]++] = reach.primitive;
+      }
+    }
+  });
+  std::atomic<uint64_t> tests{0};
+  parallel_for(leaves, 4, [&](size_t begin, size_t end) {
+    for (size_t l = begin; l < end; ++l) {
+      const ReceiverLeaf& leaf = tree_.leaves[first_leaf + l];
+      CoverageTask task{};
+      task.blocks = &tree_.blocks[size_t{leaf.first_block} * coverage_block_floats];
+      task.bounds = tree_.bounds_of(leaf.first_block);
+      task.block_count = static_cast<int>(leaf.block_count);
+      for (size_t g = 0; g < group_count; ++g) {
+        task.primitives = groups_[g].primitives.data();
+        task.order = orders[g].data() + starts[g][l];
+        task.count = starts[g][l + 1] - starts[g][l];
+        if (task.count > 0) kernels_.shade(task);
+      }
+      tests += task.tests;
+    }
+  });
+  stats_.tests += tests;
+}
+
+void CoverageVisibility::collect() {
+  seen_.resize(receivers_.count());
+  parallel_for(tree_.leaves.size(), 64, [&](size_t begin, size_t end) {
+    for (size_t l = begin; l < end; ++l) {
+      const ReceiverLeaf& leaf = tree_.leaves[l];
+      for (uint32_t i = 0; i < leaf.item_count; ++i) {
+        const uint32_t block = leaf.first_block + i / coverage_lanes;
+        const float visible = tree_.blocks[size_t{block} * coverage_block_floats +
+                                           array_visible * coverage_lanes + i % coverage_lanes];
+        seen_[tree_.items[leaf.first_item + i].index] = visible > dark_visibility ? visible : 0.0f;
+      }
+    }
+  });
+  parallel_for(view_.tile_count(), 16, [&](size_t begin, size_t end) {
+    for (size_t i = receivers_.tile_first[begin]; i < receivers_.tile_first[end];) {
+      const uint32_t receiver = receivers_.index[i];
+      float sum = 0;
+      bool is_near = false;
+      for (; i < receivers_.tile_first[end] && receivers_.index[i] == receiver; ++i) {
+        is_near |= states_[i] == ReceiverState::near;
+        const float seen = states_[i] == ReceiverState::covered ? seen_[i] : 1.0f;
+        sum += receivers_.share[i] * seen;
+      }
+      visibility_[receiver] = is_near ? undecided : std::min(sum, 1.0f);
+    }
+  });
+}
+
+void CoverageVisibility::trace(const Light& light) {
+  all_rays_.aim(light);
+  std::optional<ShadowRays> solid_rays;
+  if (solids_) solid_rays.emplace(*solids_).aim(light);
+  const bool has_near =
+      std::find(states_.begin(), states_.end(), ReceiverState::near) != states_.end();
+  if (!solid_rays && !has_near) return;
+  parallel_for(view_.tile_count(), 1, [&](size_t begin, size_t end) {
+    for (size_t tile = begin; tile < end; ++tile) {
+      view_.visit_tile(tile, [&](const ReceiverGroup& group) {
+        const Receivers& receivers = group.receivers;
+        const bool on_surface = receivers.normal[0] != nullptr;
+        for (int lane = 0; lane < receivers.count; ++lane) {
+          float& visible = visibility_[receivers.first + lane];
+          if (!(receivers.weight[lane] > 0) || visible == 0) continue;
+          const bool is_near = visible == undecided;
+          if (!is_near && !solid_rays) continue;
+          const vec3 position(receivers.position[0][lane], receivers.position[1][lane],
+                              receivers.position[2][lane]);
+          vec3 normal(0);
+          if (on_surface) {
+            normal = {receivers.normal[0][lane], receivers.normal[1][lane],
+                      receivers.normal[2][lane]};
+          }
+          const ShadowRays& rays = is_near ? all_rays_ : *solid_rays;
+          const bool seen = rays.sees(position, on_surface ? &normal : nullptr,
+                                      receivers.lit_from_behind, receivers.bias[lane]);
+          visible = seen ? (is_near ? 1.0f : visible) : 0.0f;
+        }
+      });
+    }
+  });
+}
+
+void CoverageVisibility::visibility(const Receivers& receivers, float* visibility) const {
+  CHECK_MSG(receivers.first + receivers.count <= visibility_.size(), "{} {} {}", receivers.first,
+            receivers.count, visibility_.size());
+  std::copy_n(&visibility_[receivers.first], receivers.count, visibility);
+}
+
+}  // namespace relume

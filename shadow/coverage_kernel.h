@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/simd/instruction_set.h"
+
+namespace relume {
+
+inline constexpr int coverage_lanes = 16;  ///< receivers of a block
+
+/// What a block stores per receiver, 16 lanes each. u and v are the light's picture plane, z the
+/// depth from it; the footprint is the image of the square [-1, 1]^2 under (l0, 0; l1, l2), with
+/// the depth z + zu (u - u0) + zv (v - v0) and a spread of depths around it.
+enum CoverageArray {
+  array_u,
+  array_v,
+  array_z,
+  array_zu,
+  array_zv,
+  array_softness,  ///< 1 / (2 half the spread): occluders are counted from -1/2 to 1/2 of it
+  array_l0,
+  array_l1,
+  array_l2,
+  array_m0,       ///< 1 / l0
+  array_m2,       ///< 1 / l2
+  array_visible,  ///< out: product over the pieces before the last
+  array_front,    ///< covered by the last piece's parts that wind one way,
+  array_back,     ///< and the other
+  coverage_arrays
+};
+inline constexpr int coverage_block_floats = coverage_arrays * coverage_lanes;
+
+/// Learned receivers to project into one view: arrays, gathered by `index`.
+struct CoverageReceivers {
+  const float* position[3];    ///< mean of the samples
+  const float* covariance[6];  ///< with the sampling cell
+  const float* bias;           ///< towards the light
+  const float* margin;         ///< 1 on surfaces: their own spread does not count; 0 on strands
+};
+
+/// A projective view from the light: (x, y, d) = rows * (p, 1), w = 1 + k d, then u = x / w,
+/// v = y / w, z = d / w. k = 0 is parallel light.
+struct CoverageView {
+  float row[3][4];
+  float k;
+};
+
+/// Bounds of blocks, in arrays.
+struct CoverageBounds {
+  float* u_low;
+  float* u_high;
+  float* v_low;
+  float* v_high;
+  float* z_high;  ///< farthest depth that an occluder in front of may count
+};
+
+/// A hair segment or a triangle in a view.
+struct CoveragePrimitive {
+  float u[3];
+  float v[3];
+  float z[3];
+  float opacity;   ///< of a triangle, (0, 1]; 0 = a segment: u[2] and v[2] are its half widths
+  uint32_t piece;  ///< parts of one piece do not overlap
+};
+
+/// Blocks and what may shade them.
+struct CoverageTask {
+  float* blocks;
+  CoverageBounds bounds;
+  int block_count;
+  const CoveragePrimitive* primitives;
+  const uint32_t* order;  ///< indices of primitives, pieces together
+  uint64_t count;
+  uint64_t tests;  ///< out: receivers x primitives that were looked at
+};
+
+/// Below this visibility a receiver counts as dark.
+inline constexpr float dark_visibility = 1.0f / 512;
+
+struct CoverageKernels {
+  /// Fills one block, and its bounds, from receivers index[0, count), 1 to 16 of them.
+  void (*project)(const CoverageReceivers&, const CoverageView&, const uint32_t* index, int count,
+                  float* block, const CoverageBounds& bounds);
+  /// Multiplies the blocks' visibility by what the primitives leave; then front and back are used.
+  void (*shade)(CoverageTask&);
+};
+
+/// The kernels of `set` (already chosen, not automatic).
+CoverageKernels coverage_kernels(InstructionSet set);
+
+namespace scalar {
+CoverageKernels make_coverage_kernels();
+}
+namespace sse42 {
+CoverageKernels make_coverage_kernels();
+}
+namespace avx2 {
+CoverageKernels make_coverage_kernels();
+}
+namespace avx512 {
+CoverageKernels make_coverage_kernels();
+}
+
+}  // namespace relume

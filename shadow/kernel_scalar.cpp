@@ -1,0 +1,2 @@
+#define RELUME_ISA scalar
+#include "shadow/coverage_kernel_body.h"

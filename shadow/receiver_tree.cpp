@@ -1,0 +1,304 @@
+#include "shadow/receiver_tree.h"
+
+#include <algorithm>
+
+#include "core/base/parallel.h"
+
+namespace relume {
+namespace {
+
+constexpr size_t chunk_size = 8192;
+constexpr uint32_t leaf_receivers = 512;
+constexpr uint32_t most_leaf_receivers = 1024;
+constexpr int morton_bits = 26;  ///< of the key's 31; above are the size and the view
+constexpr int size_bits = 2;
+
+/// A receiver in its view.
+struct Placed {
+  float u, v, size;
+  uint8_t view;
+};
+
+/// What a chunk of receivers adds up to.
+struct ChunkSums {
+  size_t covered = 0;
+  std::array<ReceiverTree::View, max_light_views> views;
+  std::array<double, max_light_views> size{};
+  std::array<size_t, max_light_views> count{};
+};
+
+void extend(ReceiverTree::View& view, float u, float v, float w) {
+  if (!view.is_used) {
+    view = {0, true, u, u, v, v, w};
+    return;
+  }
+  view.u_low = std::min(view.u_low, u);
+  view.u_high = std::max(view.u_high, u);
+  view.v_low = std::min(view.v_low, v);
+  view.v_high = std::max(view.v_high, v);
+  view.w_low = std::min(view.w_low, w);
+}
+
+float footprint_size(const LearnedReceivers& r, size_t i) {
+  return std::sqrt(3 * (r.covariance[0][i] + r.covariance[3][i] + r.covariance[5][i]));
+}
+
+ReceiverState find_state(const LearnedReceivers& receivers, const LightViews& lights, size_t i) {
+  const dvec3 p(receivers.position[0][i], receivers.position[1][i], receivers.position[2][i]);
+  dvec3 wi = lights.to_light;
+  double distance = std::numeric_limits<double>::infinity();
+  if (!lights.is_parallel) {
+    const dvec3 offset = lights.position - p;
+    distance = glm::length(offset);
+    if (!(distance > 0)) return ReceiverState::near;
+    wi = offset / distance;
+    if (glm::dot(wi, lights.to_light) < lights.cos_outer) return ReceiverState::unlit;
+  }
+  if (receivers.one_sided[i] != 0) {
+    const dvec3 n(receivers.normal[0][i], receivers.normal[1][i], receivers.normal[2][i]);
+    if (glm::dot(n, wi) <= 0) return ReceiverState::unlit;
+  }
+  const bool is_near = static_cast<double>(footprint_size(receivers, i)) >
+                       static_cast<double>(near_footprint) * distance;
+  return is_near ? ReceiverState::near : ReceiverState::covered;
+}
+
+Placed place(const LearnedReceivers& receivers, const LightViews& lights, size_t i,
+             ChunkSums& sums) {
+  const vec3 p(receivers.position[0][i], receivers.position[1][i], receivers.position[2][i]);
+  const size_t view = lights.view_of(p);
+  const ViewPoint at = view_point(lights.views[view], p);
+  const float inverse = 1 / std::max(at.w, 1e-9f);
+  const Placed placed{at.x * inverse, at.y * inverse, footprint_size(receivers, i) * inverse,
+                      static_cast<uint8_t>(view)};
+  extend(sums.views[view], placed.u, placed.v, at.w);
+  sums.size[view] += static_cast<double>(placed.size);
+  ++sums.count[view];
+  ++sums.covered;
+  return placed;
+}
+
+/// The bits of x, with a zero between each two.
+uint32_t spread_bits(uint32_t x) {
+  x &= 0xffff;
+  x = (x | x << 8) & 0x00ff00ff;
+  x = (x | x << 4) & 0x0f0f0f0f;
+  x = (x | x << 2) & 0x33333333;
+  return (x | x << 1) & 0x55555555;
+}
+
+uint32_t make_key(const Placed& placed, const ReceiverTree::View& view, double mean_size) {
+  constexpr float steps = static_cast<float>(1 << (morton_bits / 2)) - 1;
+  const auto quantise = [](float x, float low, float high) {
+    const float extent = std::max(high - low, 1e-30f);
+    return static_cast<uint32_t>(std::clamp((x - low) / extent, 0.0f, 1.0f) * steps);
+  };
+  const uint32_t code = spread_bits(quantise(placed.u, view.u_low, view.u_high)) |
+                        spread_bits(quantise(placed.v, view.v_low, view.v_high)) << 1;
+  const auto size = static_cast<double>(placed.size);
+  const uint32_t size_class = size < mean_size       ? 0
+                              : size < 3 * mean_size ? 1
+                              : size < 9 * mean_size ? 2
+                                                     : 3;
+  return (uint32_t{placed.view} << size_bits | size_class) << morton_bits | code;
+}
+
+/// Adds the node of items [begin, end), which agree in all bits from `shift` on, at `index`.
+class TreeBuilder {
+ public:
+  explicit TreeBuilder(ReceiverTree& tree) : tree_(tree) {}
+
+  void build(uint32_t index, uint32_t begin, uint32_t end, int shift) {
+    if (end - begin <= leaf_receivers || (shift == 0 && end - begin <= most_leaf_receivers)) {
+      add_leaf(index, begin, end);
+      return;
+    }
+    struct Part {
+      uint32_t begin, end;
+    };
+    std::vector<Part> parts;
+    int below = shift;
+    if (shift == 0) {  // all at one place
+      for (uint32_t b = begin; b < end; b += most_leaf_receivers) {
+        parts.push_back({b, std::min(end, b + most_leaf_receivers)});
+      }
+    } else {
+      while (parts.size() < 2 && below > 0) {
+        below -= below == morton_bits + size_bits ? size_bits : 2;
+        parts.clear();
+        for (uint32_t b = begin; b < end;) {
+          const uint32_t prefix = tree_.items[b].key >> below;
+          const auto last = std::partition_point(
+              tree_.items.begin() + b, tree_.items.begin() + end,
+              [&](const KeyedIndex& item) { return item.key >> below == prefix; });
+          const auto e = static_cast<uint32_t>(last - tree_.items.begin());
+          parts.push_back({b, e});
+          b = e;
+        }
+      }
+      if (parts.size() < 2) {
+        build(index, begin, end, 0);
+        return;
+      }
+    }
+    const auto first = static_cast<uint32_t>(tree_.nodes.size());
+    tree_.nodes.resize(first + parts.size());
+    tree_.nodes[index].first_child = first;
+    tree_.nodes[index].child_count = static_cast<uint32_t>(parts.size());
+    tree_.nodes[index].first_leaf = static_cast<uint32_t>(tree_.leaves.size());
+    for (uint32_t i = 0; i < parts.size(); ++i) {
+      build(first + i, parts[i].begin, parts[i].end, below);
+    }
+    tree_.nodes[index].end_leaf = static_cast<uint32_t>(tree_.leaves.size());
+  }
+
+ private:
+  void add_leaf(uint32_t index, uint32_t begin, uint32_t end) {
+    const uint32_t blocks = (end - begin + coverage_lanes - 1) / coverage_lanes;
+    ReceiverNode& node = tree_.nodes[index];
+    node.first_leaf = static_cast<uint32_t>(tree_.leaves.size());
+    node.end_leaf = node.first_leaf + 1;
+    tree_.leaves.push_back({begin, end - begin, tree_.block_count, blocks});
+    tree_.block_count += blocks;
+  }
+
+  ReceiverTree& tree_;
+};
+
+void build_nodes(ReceiverTree& tree) {
+  tree.leaves.clear();
+  tree.nodes.clear();
+  tree.block_count = 0;
+  TreeBuilder builder(tree);
+  const auto count = static_cast<uint32_t>(tree.items.size());
+  for (uint32_t begin = 0; begin < count;) {
+    const uint32_t view = tree.items[begin].key >> (morton_bits + size_bits);
+    const auto last = std::partition_point(
+        tree.items.begin() + begin, tree.items.end(),
+        [&](const KeyedIndex& item) { return item.key >> (morton_bits + size_bits) == view; });
+    const auto end = static_cast<uint32_t>(last - tree.items.begin());
+    tree.views[view].root = static_cast<uint32_t>(tree.nodes.size());
+    tree.nodes.emplace_back();
+    builder.build(tree.views[view].root, begin, end, morton_bits + size_bits);
+    begin = end;
+  }
+}
+
+void project_leaf(const LearnedReceivers& receivers, const LightViews& lights,
+                  const CoverageKernels& kernels, ReceiverTree& tree, const ReceiverLeaf& leaf) {
+  const CoverageReceivers arrays{
+      {receivers.position[0].data(), receivers.position[1].data(), receivers.position[2].data()},
+      {receivers.covariance[0].data(), receivers.covariance[1].data(),
+       receivers.covariance[2].data(), receivers.covariance[3].data(),
+       receivers.covariance[4].data(), receivers.covariance[5].data()},
+      receivers.bias.data(),
+      receivers.margin.data()};
+  const uint32_t view = tree.items[leaf.first_item].key >> (morton_bits + size_bits);
+  uint32_t index[coverage_lanes];
+  for (uint32_t b = 0; b < leaf.block_count; ++b) {
+    const uint32_t first = leaf.first_item + b * coverage_lanes;
+    const auto count = static_cast<int>(
+        std::min<uint32_t>(coverage_lanes, leaf.first_item + leaf.item_count - first));
+    for (int lane = 0; lane < count; ++lane) index[lane] = tree.items[first + lane].index;
+    const uint32_t block = leaf.first_block + b;
+    kernels.project(arrays, lights.views[view], index, count,
+                    &tree.blocks[size_t{block} * coverage_block_floats], tree.bounds_of(block));
+  }
+}
+
+void bound_nodes(ReceiverTree& tree) {
+  const auto merge = [](ReceiverNode& a, const ReceiverNode& b, bool first) {
+    if (first) {
+      a.u_low = b.u_low;
+      a.u_high = b.u_high;
+      a.v_low = b.v_low;
+      a.v_high = b.v_high;
+      a.z_high = b.z_high;
+      return;
+    }
+    a.u_low = std::min(a.u_low, b.u_low);
+    a.u_high = std::max(a.u_high, b.u_high);
+    a.v_low = std::min(a.v_low, b.v_low);
+    a.v_high = std::max(a.v_high, b.v_high);
+    a.z_high = std::max(a.z_high, b.z_high);
+  };
+  for (size_t i = tree.nodes.size(); i-- > 0;) {
+    ReceiverNode& node = tree.nodes[i];
+    for (uint32_t c = 0; c < node.child_count; ++c) {
+      merge(node, tree.nodes[node.first_child + c], c == 0);
+    }
+    if (node.child_count > 0) continue;
+    const ReceiverLeaf& leaf = tree.leaves[node.first_leaf];
+    for (uint32_t b = 0; b < leaf.block_count; ++b) {
+      const CoverageBounds bounds = tree.bounds_of(leaf.first_block + b);
+      merge(node,
+            {*bounds.u_low, *bounds.u_high, *bounds.v_low, *bounds.v_high, *bounds.z_high, 0, 0, 0,
+             0},
+            b == 0);
+    }
+  }
+}
+
+}  // namespace
+
+void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& lights,
+                         const CoverageKernels& kernels, ReceiverTree& tree,
+                         std::vector<ReceiverState>& states, std::vector<KeyedIndex>& scratch) {
+  const size_t count = receivers.count();
+  const size_t chunks = (count + chunk_size - 1) / chunk_size;
+  states.resize(count);
+  std::vector<Placed> placed(count);
+  std::vector<ChunkSums> sums(chunks);
+  parallel_for(chunks, 1, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) {
+      for (size_t i = c * chunk_size; i < std::min(count, (c + 1) * chunk_size); ++i) {
+        states[i] = find_state(receivers, lights, i);
+        if (states[i] == ReceiverState::covered) placed[i] = place(receivers, lights, i, sums[c]);
+      }
+    }
+  });
+  tree.views = {};
+  std::array<double, max_light_views> mean_size{};
+  std::array<size_t, max_light_views> view_count{};
+  std::vector<size_t> first(chunks);
+  size_t covered = 0;
+  for (size_t c = 0; c < chunks; ++c) {
+    first[c] = covered;
+    covered += sums[c].covered;
+    for (size_t v = 0; v < max_light_views; ++v) {
+      const ReceiverTree::View& view = sums[c].views[v];
+      if (!view.is_used) continue;
+      extend(tree.views[v], view.u_low, view.v_low, view.w_low);
+      extend(tree.views[v], view.u_high, view.v_high, view.w_low);
+      mean_size[v] += sums[c].size[v];
+      view_count[v] += sums[c].count[v];
+    }
+  }
+  for (size_t v = 0; v < max_light_views; ++v) {
+    mean_size[v] /= static_cast<double>(std::max<size_t>(1, view_count[v]));
+  }
+  tree.items.resize(covered);
+  parallel_for(chunks, 1, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) {
+      size_t out = first[c];
+      for (size_t i = c * chunk_size; i < std::min(count, (c + 1) * chunk_size); ++i) {
+        if (states[i] != ReceiverState::covered) continue;
+        const uint8_t view = placed[i].view;
+        tree.items[out++] = {make_key(placed[i], tree.views[view], mean_size[view]),
+                             static_cast<uint32_t>(i)};
+      }
+    }
+  });
+  sort_by_key(tree.items, scratch);
+  build_nodes(tree);
+  tree.blocks.resize(size_t{tree.block_count} * coverage_block_floats);
+  for (auto& bounds : tree.bounds) bounds.resize(tree.block_count + coverage_lanes);
+  parallel_for(tree.leaves.size(), 8, [&](size_t begin, size_t end) {
+    for (size_t l = begin; l < end; ++l) {
+      project_leaf(receivers, lights, kernels, tree, tree.leaves[l]);
+    }
+  });
+  bound_nodes(tree);
+}
+
+}  // namespace relume

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "shadow/learned_receivers.h"
+#include "shadow/light_views.h"
+#include "shadow/parallel_sort.h"
+
+namespace relume {
+
+/// A part of the light's picture and the receivers in it. Bounds are those of their footprints.
+struct ReceiverNode {
+  float u_low = 0;
+  float u_high = 0;
+  float v_low = 0;
+  float v_high = 0;
+  float z_high = 0;  ///< nothing farther is in front of any of them
+  uint32_t first_child = 0;
+  uint32_t child_count = 0;  ///< 0 = leaf
+  uint32_t first_leaf = 0;   ///< leaves below it, or itself
+  uint32_t end_leaf = 0;
+};
+
+struct ReceiverLeaf {
+  uint32_t first_item = 0;  ///< of ReceiverTree::items
+  uint32_t item_count = 0;
+  uint32_t first_block = 0;
+  uint32_t block_count = 0;
+};
+
+/// Receivers of all views, sorted along a curve that fills each view's picture and by size, in
+/// blocks of 16; above them quadtrees. Where receivers are dense, nodes are small.
+struct ReceiverTree {
+  std::vector<KeyedIndex> items;  ///< index into the learned receivers
+  std::vector<ReceiverLeaf> leaves;
+  std::vector<ReceiverNode> nodes;  ///< children stand behind their parent, side by side
+  struct View {
+    uint32_t root = 0;
+    bool is_used = false;
+    float u_low = 0;  ///< of the receivers' means
+    float u_high = 0;
+    float v_low = 0;
+    float v_high = 0;
+    float w_low = 0;
+  };
+  std::array<View, max_light_views> views;
+  std::vector<float> blocks;  ///< coverage_block_floats each
+  std::vector<float> bounds[5];
+  uint32_t block_count = 0;
+
+  CoverageBounds bounds_of(uint32_t block) {
+    return {&bounds[0][block], &bounds[1][block], &bounds[2][block], &bounds[3][block],
+            &bounds[4][block]};
+  }
+};
+
+/// What becomes of a receiver under a light.
+enum class ReceiverState : uint8_t {
+  unlit,    ///< the light cannot light it: visibility 1, no work
+  covered,  ///< in the tree
+  near,     ///< so near that the light sees its footprint from all sides: rays
+};
+
+/// A footprint of more than this part of its distance from the light is near.
+inline constexpr float near_footprint = 0.25f;
+
+/// Makes `tree` anew for the receivers that the light may light; `states` gets one entry a
+/// receiver. Deterministic for any thread count.
+void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& lights,
+                         const CoverageKernels& kernels, ReceiverTree& tree,
+                         std::vector<ReceiverState>& states, std::vector<KeyedIndex>& scratch);
+
+}  // namespace relume

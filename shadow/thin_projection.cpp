@@ -1,0 +1,383 @@
+#include "shadow/thin_projection.h"
+
+namespace relume {
+namespace {
+
+/// Nothing nearer to the light than this part of the nearest receiver's distance is drawn: it would
+/// fill the picture.
+constexpr float near_part = 1e-3f;
+/// Primitives that reach farther out than so many times the picture are cut, so that their
+/// coordinates stay exact.
+constexpr float far_out = 8;
+constexpr size_t stack_size = 256;
+
+struct Box {
+  float u_low, u_high, v_low, v_high, z_low;
+};
+
+bool overlaps(const Box& box, const ReceiverNode& node) {
+  return box.u_low <= node.u_high && box.u_high >= node.u_low && box.v_low <= node.v_high &&
+         box.v_high >= node.v_low && box.z_low <= node.z_high;
+}
+
+/// Calls visit(leaf) for each leaf in range that the box may reach.
+template <class Visit>
+void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box, uint32_t first_leaf,
+                   uint32_t end_leaf, std::vector<uint32_t>& stack, const Visit& visit) {
+  if (stack.size() < stack_size) stack.resize(stack_size);
+  uint32_t* top = stack.data();
+  *top++ = root;
+  while (top != stack.data()) {
+    const ReceiverNode& node = tree.nodes[*--top];
+    if (node.child_count == 0) {
+      if (node.first_leaf >= first_leaf && node.first_leaf < end_leaf && overlaps(box, node)) {
+        visit(node.first_leaf);
+      }
+      continue;
+    }
+    if (static_cast<size_t>(top - stack.data()) + node.child_count > stack.size()) {
+      const auto used = top - stack.data();
+      stack.resize(2 * stack.size() + node.child_count);
+      top = stack.data() + used;
+    }
+    for (uint32_t c = 0; c < node.child_count; ++c) {
+      const ReceiverNode& child = tree.nodes[node.first_child + c];
+      if (child.end_leaf > first_leaf && child.first_leaf < end_leaf && overlaps(box, child)) {
+        *top++ = node.first_child + c;
+      }
+    }
+  }
+}
+
+/// x, y, d and w as linear functions of a shape's local position.
+struct ShapeView {
+  float row[3][4];
+  float k;
+  float radius_scale;  ///< of strands
+
+  vec4 point(vec3 p) const {
+    const auto at = [&](int i) {
+      return row[i][0] * p.x + row[i][1] * p.y + row[i][2] * p.z + row[i][3];
+    };
+    const float d = at(2);
+    return {at(0), at(1), d, 1 + k * d};
+  }
+};
+
+ShapeView make_shape_view(const CoverageView& view, const mat4x3& world_from_local,
+                          const LearnedReceivers& receivers) {
+  ShapeView result{};
+  result.k = view.k;
+  const double inverse = 1 / receivers.scale;
+  for (int i = 0; i < 3; ++i) {
+    const dvec3 row(view.row[i][0], view.row[i][1], view.row[i][2]);
+    for (size_t column = 0; column < 3; ++column) {
+      result.row[i][column] =
+          static_cast<float>(glm::dot(row, dvec3(world_from_local[column])) * inverse);
+    }
+    const dvec3 origin = (dvec3(world_from_local[3]) - receivers.center) * inverse;
+    result.row[i][3] =
+        static_cast<float>(glm::dot(row, origin) + static_cast<double>(view.row[i][3]));
+  }
+  result.radius_scale = uniform_scale(world_from_local) * static_cast<float>(inverse);
+  return result;
+}
+
+/// One piece of work, unpacked.
+class ChunkProjector {
+ public:
+  ChunkProjector(const ReceiverTree& tree, const ReceiverTree::View& view, const ShapeView& shape,
+                 uint32_t first_leaf, uint32_t end_leaf, ProjectionScratch& scratch,
+                 ProjectedGeometry& out)
+      : tree_(tree),
+        view_(view),
+        shape_(shape),
+        first_leaf_(first_leaf),
+        end_leaf_(end_leaf),
+        scratch_(scratch),
+        out_(out) {
+    near_w_ = near_part * view.w_low;
+    const ReceiverNode& root = tree.nodes[view.root];
+    const float u = root.u_high - root.u_low;
+    const float v = root.v_high - root.v_low;
+    u_low_ = root.u_low - far_out * u;
+    u_high_ = root.u_high + far_out * u;
+    v_low_ = root.v_low - far_out * v;
+    v_high_ = root.v_high + far_out * v;
+  }
+
+  /// False when nothing within the local bounds reaches a leaf in range.
+  bool may_reach(const Bounds& bounds) {
+    Box box{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+            std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+            std::numeric_limits<float>::infinity()};
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const vec3 p((corner & 1) != 0 ? bounds.high.x : bounds.low.x,
+                   (corner & 2) != 0 ? bounds.high.y : bounds.low.y,
+                   (corner & 4) != 0 ? bounds.high.z : bounds.low.z);
+      const vec4 q = shape_.point(p);
+      if (!(q.w > near_w_)) return true;
+      extend(box, q.x / q.w, q.y / q.w, q.z / q.w);
+    }
+    bool reached = false;
+    for_each_leaf(tree_, view_.root, box, first_leaf_, end_leaf_, scratch_.stack,
+                  [&](uint32_t) { reached = true; });
+    return reached;
+  }
+
+  /// Projects the points of a piece; false when nothing of it reaches a leaf in range. What is
+  /// added then has to belong to the piece.
+  bool project_piece(const vec4* points, uint32_t count) {
+    scratch_.points.resize(count);
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    Box box{infinity, -infinity, infinity, -infinity, infinity};
+    bool is_whole = true;
+    for (uint32_t i = 0; i < count; ++i) {
+      const vec4 p = shape_.point(vec3(points[i]));
+      scratch_.points[i] = p;
+      is_whole &= is_within(p);
+      // A strand's half width is at most its radius over w, times the obliqueness of the view.
+      const float inverse = 1 / p.w;
+      const float u = p.x * inverse;
+      const float v = p.y * inverse;
+      const float oblique = 1 + shape_.k * (std::abs(u) + std::abs(v));
+      const float pad = points[i].w * shape_.radius_scale * std::abs(inverse) * oblique;
+      extend(box, u - pad, v - pad, p.z * inverse);
+      extend(box, u + pad, v + pad, p.z * inverse);
+    }
+    start_ = view_.root;
+    if (!is_whole) return true;
+    if (!overlaps(box, tree_.nodes[start_])) return false;
+    // Down while one child holds all that the piece reaches.
+    while (tree_.nodes[start_].child_count > 0) {
+      const ReceiverNode& node = tree_.nodes[start_];
+      uint32_t reached = 0;
+      uint32_t last = 0;
+      for (uint32_t c = 0; c < node.child_count; ++c) {
+        const ReceiverNode& child = tree_.nodes[node.first_child + c];
+        if (child.end_leaf <= first_leaf_ || child.first_leaf >= end_leaf_) continue;
+        if (!overlaps(box, child)) continue;
+        ++reached;
+        last = node.first_child + c;
+      }
+      if (reached == 0) return false;
+      if (reached > 1) break;
+      start_ = last;
+    }
+    return true;
+  }
+
+  /// The segment between projected points a and b, with radii.
+  void add_segment(uint32_t a, uint32_t b, float radius_a, float radius_b, uint32_t piece) {
+    vec4 p = scratch_.points[a];
+    vec4 q = scratch_.points[b];
+    if (!cut_segment(p, q, radius_a, radius_b)) return;
+    // A strand is a ribbon that faces the light: half its width is seen across line of sight and
+    // axis.
+    const vec4 middle = 0.5f * (p + q);
+    const vec3 sight(shape_.k * middle.x, shape_.k * middle.y, middle.w);
+    const vec3 across = glm::cross(vec3(q - p), sight);
+    const float length = glm::length(across);
+    const float inverse_w = 1 / middle.w;
+    const float u = middle.x * inverse_w;
+    const float v = middle.y * inverse_w;
+    CoveragePrimitive primitive{};
+    set_corner(primitive, 0, p);
+    set_corner(primitive, 1, q);
+    const float du = primitive.u[1] - primitive.u[0];
+    const float dv = primitive.v[1] - primitive.v[0];
+    const float run = std::sqrt(du * du + dv * dv);
+    // Seen end on it has no width to speak of.
+    if (!(length > 0) || !(run > 0)) return;
+    const float eu = (across.x - u * shape_.k * across.z) / length;
+    const float ev = (across.y - v * shape_.k * across.z) / length;
+    const float scale = std::abs(eu * dv - ev * du) / run * shape_.radius_scale;
+    primitive.u[2] = radius_a * scale / p.w;
+    primitive.v[2] = radius_b * scale / q.w;
+    primitive.opacity = 0;
+    primitive.piece = piece;
+    const float half = std::max(primitive.u[2], primitive.v[2]);
+    Box box{std::min(primitive.u[0], primitive.u[1]) - half,
+            std::max(primitive.u[0], primitive.u[1]) + half,
+            std::min(primitive.v[0], primitive.v[1]) - half,
+            std::max(primitive.v[0], primitive.v[1]) + half,
+            std::min(primitive.z[0], primitive.z[1])};
+    append(primitive, box);
+  }
+
+  void add_triangle(uint32_t a, uint32_t b, uint32_t c, float opacity, uint32_t piece) {
+    vec4 corners[max_corners] = {scratch_.points[a], scratch_.points[b], scratch_.points[c]};
+    int count = 3;
+    if (!is_within(corners[0]) || !is_within(corners[1]) || !is_within(corners[2])) {
+      count = cut_polygon(corners, count);
+    }
+    for (int i = 2; i < count; ++i) {
+      CoveragePrimitive primitive{};
+      set_corner(primitive, 0, corners[0]);
+      set_corner(primitive, 1, corners[i - 1]);
+      set_corner(primitive, 2, corners[i]);
+      primitive.opacity = opacity;
+      primitive.piece = piece;
+      Box box{primitive.u[0], primitive.u[0], primitive.v[0], primitive.v[0], primitive.z[0]};
+      for (int j = 1; j < 3; ++j) extend(box, primitive.u[j], primitive.v[j], primitive.z[j]);
+      append(primitive, box);
+    }
+  }
+
+ private:
+  static constexpr int max_corners = 8;  ///< a triangle cut by five planes
+
+  static void extend(Box& box, float u, float v, float z) {
+    box.u_low = std::min(box.u_low, u);
+    box.u_high = std::max(box.u_high, u);
+    box.v_low = std::min(box.v_low, v);
+    box.v_high = std::max(box.v_high, v);
+    box.z_low = std::min(box.z_low, z);
+  }
+
+  static void set_corner(CoveragePrimitive& primitive, int i, vec4 p) {
+    const float inverse = 1 / p.w;
+    primitive.u[i] = p.x * inverse;
+    primitive.v[i] = p.y * inverse;
+    primitive.z[i] = p.z * inverse;
+  }
+
+  /// Distance from the inner side of plane `plane` of 5, > 0 inside.
+  float inside(vec4 p, int plane) const {
+    switch (plane) {
+      case 0:
+        return p.w - near_w_;
+      case 1:
+        return p.x - u_low_ * p.w;
+      case 2:
+        return u_high_ * p.w - p.x;
+      case 3:
+        return p.y - v_low_ * p.w;
+      default:
+        return v_high_ * p.w - p.y;
+    }
+  }
+
+  bool is_within(vec4 p) const {
+    return inside(p, 0) > 0 && inside(p, 1) >= 0 && inside(p, 2) >= 0 && inside(p, 3) >= 0 &&
+           inside(p, 4) >= 0;
+  }
+
+  bool cut_segment(vec4& p, vec4& q, float& radius_p, float& radius_q) const {
+    if (is_within(p) && is_within(q)) return true;
+    float begin = 0;
+    float end = 1;
+    for (int plane = 0; plane < 5; ++plane) {
+      const float a = inside(p, plane);
+      const float b = inside(q, plane);
+      if (!(a > 0) && !(b > 0)) return false;
+      if (a > 0 && b > 0) continue;
+      const float t = a / (a - b);
+      if (a > 0) {
+        end = std::min(end, t);
+      } else {
+        begin = std::max(begin, t);
+      }
+    }
+    if (!(begin < end)) return false;
+    const vec4 step = q - p;
+    const float radius_step = radius_q - radius_p;
+    q = p + end * step;
+    p += begin * step;
+    radius_q = radius_p + end * radius_step;
+    radius_p += begin * radius_step;
+    return p.w > 0 && q.w > 0;
+  }
+
+  int cut_polygon(vec4 (&corners)[max_corners], int count) const {
+    for (int plane = 0; plane < 5 && count > 0; ++plane) {
+      vec4 cut[max_corners];
+      int kept = 0;
+      for (int i = 0; i < count; ++i) {
+        const vec4 p = corners[i];
+        const vec4 q = corners[i + 1 < count ? i + 1 : 0];
+        const float a = inside(p, plane);
+        const float b = inside(q, plane);
+        if (a > 0 && kept < max_corners) cut[kept++] = p;
+        if ((a > 0) != (b > 0) && kept < max_corners) cut[kept++] = p + (a / (a - b)) * (q - p);
+      }
+      std::copy_n(cut, kept, corners);
+      count = kept;
+    }
+    for (int i = 0; i < count; ++i) {
+      if (!(corners[i].w > 0)) return 0;
+    }
+    return count;
+  }
+
+  void append(const CoveragePrimitive& primitive, const Box& box) {
+    const auto number = static_cast<uint32_t>(out_.primitives.size());
+    bool reached = false;
+    for_each_leaf(tree_, start_, box, first_leaf_, end_leaf_, scratch_.stack, [&](uint32_t leaf) {
+      out_.reaches.push_back({leaf, number});
+      reached = true;
+    });
+    if (reached) out_.primitives.push_back(primitive);
+  }
+
+  const ReceiverTree& tree_;
+  const ReceiverTree::View& view_;
+  const ShapeView& shape_;
+  uint32_t first_leaf_;
+  uint32_t end_leaf_;
+  ProjectionScratch& scratch_;
+  ProjectedGeometry& out_;
+  uint32_t start_ = 0;  ///< node that holds all that the piece reaches
+  float near_w_ = 0;
+  float u_low_ = 0;
+  float u_high_ = 0;
+  float v_low_ = 0;
+  float v_high_ = 0;
+};
+
+}  // namespace
+
+std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
+                                                 const ReceiverTree& tree) {
+  std::vector<ProjectionWork> work;
+  for (uint32_t view = 0; view < tree.views.size(); ++view) {
+    if (!tree.views[view].is_used) continue;
+    for (uint32_t i = 0; i < geometry.instances.size(); ++i) {
+      const ThinShape& shape = geometry.shapes[geometry.instances[i].shape];
+      for (uint32_t c = 0; c < shape.chunks.size(); ++c) work.push_back({view, i, c});
+    }
+  }
+  return work;
+}
+
+void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receivers,
+                   const LightViews& lights, const ReceiverTree& tree, const ProjectionWork& work,
+                   uint32_t first_leaf, uint32_t end_leaf, ProjectionScratch& scratch,
+                   ProjectedGeometry& out) {
+  const ThinInstance& instance = geometry.instances[work.instance];
+  const ThinShape& shape = geometry.shapes[instance.shape];
+  const ThinChunk& chunk = shape.chunks[work.chunk];
+  const ShapeView view =
+      make_shape_view(lights.views[work.view], instance.world_from_local, receivers);
+  ChunkProjector projector(tree, tree.views[work.view], view, first_leaf, end_leaf, scratch, out);
+  if (!projector.may_reach(chunk.bounds)) return;
+  for (uint32_t p = chunk.first_piece; p < chunk.first_piece + chunk.piece_count; ++p) {
+    const ThinPiece& piece = shape.pieces[p];
+    const uint32_t number = instance.first_piece + p;
+    if (!projector.project_piece(&shape.vertices[piece.first_vertex], piece.vertex_count)) continue;
+    if (shape.is_strands) {
+      for (uint32_t v = 0; v + 1 < piece.vertex_count; ++v) {
+        projector.add_segment(v, v + 1, shape.vertices[piece.first_vertex + v].w,
+                              shape.vertices[piece.first_vertex + v + 1].w, number);
+      }
+      continue;
+    }
+    for (uint32_t i = piece.first_triangle; i < piece.first_triangle + piece.triangle_count; ++i) {
+      const uvec3 t = shape.triangles[i] - piece.first_vertex;
+      projector.add_triangle(t.x, t.y, t.z, shape.opacity.empty() ? 1.0f : shape.opacity[i],
+                             number);
+    }
+  }
+}
+
+}  // namespace relume

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "shadow/receiver_tree.h"
+#include "shadow/thin_geometry.h"
+
+namespace relume {
+
+/// A chunk of thin geometry in one view.
+struct ProjectionWork {
+  uint32_t view = 0;
+  uint32_t instance = 0;
+  uint32_t chunk = 0;
+};
+
+/// Every chunk in every view that has receivers, in the scene's order.
+std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
+                                                 const ReceiverTree& tree);
+
+/// Primitives in the light's picture and the leaves of the tree that each may shade.
+struct ProjectedGeometry {
+  struct Reach {
+    uint32_t leaf;
+    uint32_t primitive;
+  };
+  std::vector<CoveragePrimitive> primitives;
+  std::vector<Reach> reaches;
+};
+
+/// What projecting needs of memory; one a thread.
+struct ProjectionScratch {
+  std::vector<vec4> points;  ///< x, y, d, w
+  std::vector<uint32_t> stack;
+};
+
+/// Projects one chunk and appends what reaches a leaf in [first_leaf, end_leaf).
+void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receivers,
+                   const LightViews& lights, const ReceiverTree& tree, const ProjectionWork& work,
+                   uint32_t first_leaf, uint32_t end_leaf, ProjectionScratch& scratch,
+                   ProjectedGeometry& out);
+
+}  // namespace relume

@@ -1,0 +1,312 @@
+#include <gtest/gtest.h>
+
+#include "core/base/parallel.h"
+#include "core/base/random.h"
+#include "shadow/coverage.h"
+#include "shadow/shadow.h"
+#include "tests/support/records.h"
+#include "tests/support/scenes.h"
+
+namespace relume {
+namespace {
+
+using namespace test;  // NOLINT: scene and light builders
+
+/// Visibility of each receiver that is one, in the cache's order.
+std::vector<float> known_visibility(const RelightCache& cache, VisibilitySource& source,
+                                    const Light& light) {
+  source.prepare(light);
+  std::vector<float> result;
+  const ViewReceivers view(cache);
+  for (size_t t = 0; t < view.tile_count(); ++t) {
+    view.visit_tile(t, [&](const ReceiverGroup& group) {
+      float visibility[block_lanes];
+      source.visibility(group.receivers, visibility);
+      for (int lane = 0; lane < group.receivers.count; ++lane) {
+        if (group.receivers.weight[lane] > 0) result.push_back(visibility[lane]);
+      }
+    });
+  }
+  return result;
+}
+
+double mean_of(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+void add_floor(Scene& scene) {
+  const uint32_t floor = add_material(scene, "lambert");
+  add_shape(scene, make_quad(vec3(0), {0, 0, 4}, {4, 0, 0}, floor));
+}
+
+/// Strands that stand on a floor, thinner than a pixel.
+Scene make_meadow(int strands = 150) {
+  Scene scene = make_empty_scene(make_camera({0, 2, 5}, {0, 0.2f, 0}, 40), 48, 48);
+  add_floor(scene);
+  const uint32_t hair = add_material(scene, "kajiya-kay");
+  Random random(4, RandomStream::tests, 0);
+  for (int i = 0; i < strands; ++i) {
+    const float x = random.uniform(-1.2f, 1.2f);
+    const float z = random.uniform(-1.2f, 1.2f);
+    const float lean = random.uniform(-0.3f, 0.3f);
+    add_shape(scene, make_strand({x, 0.01f, z}, {x + lean, 0.7f, z - lean}, 0.006f, 4, hair));
+  }
+  return scene;
+}
+
+/// Small leaves of two triangles over a floor.
+Scene make_leaves(int leaves = 120) {
+  Scene scene = make_empty_scene(make_camera({0, 3, 5}, {0, 0.2f, 0}, 40), 48, 48);
+  add_floor(scene);
+  const uint32_t leaf = add_material(scene, "leaf");
+  Random random(5, RandomStream::tests, 0);
+  for (int i = 0; i < leaves; ++i) {
+    const float x = random.uniform(-1.2f, 1.2f);
+    const float y = random.uniform(0.2f, 0.8f);
+    const float z = random.uniform(-1.2f, 1.2f);
+    const vec3 u = 0.06f * random_direction(random);
+    const vec3 across = 0.03f * random_direction(random);
+    add_shape(scene, make_quad({x, y, z}, u, across, leaf));
+  }
+  return scene;
+}
+
+struct NamedLight {
+  const char* name;
+  Light light;
+};
+
+std::vector<NamedLight> all_lights() {
+  return {{"above", make_point_light({1, 4, 1.5f})},
+          {"grazing", make_point_light({-4, 0.4f, 0.5f})},
+          {"inside", make_point_light({0.1f, 0.35f, 0.2f})},
+          {"near", make_point_light({0.02f, 0.02f, 0.9f})},
+          {"far", make_point_light({3000, 9000, 4000})},
+          {"directional", make_directional_light({-0.4f, -1, -0.3f})},
+          {"spot", make_spot_light({0.5f, 3, 0.5f}, {-0.2f, -1, 0}, 15, 30)}};
+}
+
+TEST(Coverage, IsOneWithoutOccluders) {
+  Scene scene = make_empty_scene(make_camera({0, 2, 5}, {0, 0.2f, 0}, 40), 24, 24);
+  add_floor(scene);
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 4);
+  CoverageVisibility coverage(tracer, cache);
+  for (const NamedLight& light : all_lights()) {
+    for (const float v : known_visibility(cache, coverage, light.light)) {
+      ASSERT_EQ(v, 1.0f) << light.name;
+    }
+  }
+}
+
+TEST(Coverage, OfThinGeometryIsWhatManyRaysFind) {
+  for (const bool is_leaves : {false, true}) {
+    const Scene scene = is_leaves ? make_leaves() : make_meadow();
+    const Tracer tracer(scene);
+    const RelightCache cache = make_full_cache(scene, tracer, 16);
+    CoverageVisibility coverage(tracer, cache);
+    const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
+    for (const NamedLight& light : all_lights()) {
+      const std::vector<float> found = known_visibility(cache, coverage, light.light);
+      const std::vector<float> traced = known_visibility(cache, *rays, light.light);
+      for (const float v : found) ASSERT_TRUE(v >= 0 && v <= 1) << v << " " << light.name;
+      // Next to the light, footprints are large against their distance.
+      const bool is_near = light.light.position.y < 0.1f && light.light.type == LightType::point;
+      EXPECT_NEAR(mean_of(found), mean_of(traced), is_near ? 0.03 : 0.012)
+          << light.name << " " << is_leaves;
+    }
+  }
+}
+
+TEST(Coverage, DoesNotDependOnTheSceneScaleAndPlace) {
+  const Scene scene = make_meadow(60);
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 4);
+  CoverageVisibility coverage(tracer, cache);
+  for (const float scale : {1e-6f, 1e6f}) {
+    Scene lit = scene;
+    for (const NamedLight& light : all_lights()) lit.lights.push_back(light.light);
+    const Scene moved = move_scene(lit, scale, vec3(0));
+    const Tracer moved_tracer(moved);
+    const RelightCache moved_cache = make_full_cache(moved, moved_tracer, 4);
+    CoverageVisibility moved_coverage(moved_tracer, moved_cache);
+    for (size_t l = 0; l < lit.lights.size(); ++l) {
+      const std::vector<float> expected = known_visibility(cache, coverage, lit.lights[l]);
+      const std::vector<float> found =
+          known_visibility(moved_cache, moved_coverage, moved.lights[l]);
+      EXPECT_NEAR(mean_of(found), mean_of(expected), 2e-3)
+          << all_lights()[l].name << " at " << scale;
+    }
+  }
+}
+
+TEST(Coverage, IsTheSameForAnyThreadCount) {
+  const Scene scene = make_meadow();
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 4);
+  for (const NamedLight& light : all_lights()) {
+    std::vector<float> first;
+    for (const int threads : {1, 2, 3, 8}) {
+      set_thread_count(threads);
+      CoverageVisibility coverage(tracer, cache);
+      const std::vector<float> found = known_visibility(cache, coverage, light.light);
+      if (first.empty()) first = found;
+      EXPECT_EQ(found, first) << light.name << " " << threads << " threads";
+    }
+  }
+  set_thread_count(0);
+}
+
+TEST(Coverage, InstructionSetsAgree) {
+  const Scene scene = make_leaves();
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 4);
+  CoverageVisibility plain(tracer, cache, InstructionSet::scalar);
+  for (const InstructionSet set :
+       {InstructionSet::sse42, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (!is_supported(set)) continue;
+    CoverageVisibility fast(tracer, cache, set);
+    for (const NamedLight& light : all_lights()) {
+      const std::vector<float> a = known_visibility(cache, plain, light.light);
+      const std::vector<float> b = known_visibility(cache, fast, light.light);
+      double difference = 0;
+      for (size_t i = 0; i < a.size(); ++i) difference += std::abs(double{a[i]} - b[i]);
+      EXPECT_LT(difference / static_cast<double>(a.size()), 1e-4) << light.name;
+    }
+  }
+}
+
+TEST(Coverage, AnotherOccluderNeverBrightens) {
+  const Scene fewer = make_meadow(60);
+  Scene more = make_meadow(60);
+  const uint32_t hair = 1;
+  // Out of the camera's sight, so that the receivers stay.
+  for (int i = 0; i < 40; ++i) {
+    const float x = -1.5f + 0.08f * static_cast<float>(i);
+    add_shape(more, make_strand({x, 2.6f, -1}, {x, 2.6f, 1}, 0.02f, 3, hair));
+  }
+  const Tracer tracer(fewer);
+  const Tracer more_tracer(more);
+  const RelightCache cache = make_full_cache(fewer, tracer, 4);
+  const RelightCache same = make_full_cache(more, more_tracer, 4);
+  ASSERT_EQ(cache.info().record_count, same.info().record_count);
+  CoverageVisibility before(tracer, cache);
+  CoverageVisibility after(more_tracer, same);
+  for (const NamedLight& light : all_lights()) {
+    const std::vector<float> a = known_visibility(cache, before, light.light);
+    const std::vector<float> b = known_visibility(same, after, light.light);
+    for (size_t i = 0; i < a.size(); ++i) ASSERT_LE(b[i], a[i] + 1e-5f) << light.name << " " << i;
+  }
+}
+
+TEST(Coverage, StrandsAndLeavesDoNotShadeThemselves) {
+  const auto check = [](const Scene& scene, double least) {
+    const Tracer tracer(scene);
+    const RelightCache cache = make_full_cache(scene, tracer, 16);
+    ASSERT_GT(cache.info().record_count, 50u);
+    CoverageVisibility coverage(tracer, cache);
+    for (const vec3 place : {vec3(1, 4, 1.5f), vec3(4, 2, 3), vec3(-3, 1.2f, 5)}) {
+      const std::vector<float> found = known_visibility(cache, coverage, make_point_light(place));
+      EXPECT_GE(mean_of(found), least) << place.x;
+    }
+  };
+  Scene strand = make_empty_scene(make_camera({0, 0.5f, 3}, {0, 0.4f, 0}, 25), 48, 48);
+  const uint32_t hair = add_material(strand, "kajiya-kay");
+  add_shape(strand, make_strand({-0.3f, 0, 0}, {0.3f, 0.8f, 0.1f}, 0.01f, 8, hair));
+  check(strand, 0.995);
+  Scene leaf = make_empty_scene(make_camera({0, 0.5f, 3}, {0, 0.4f, 0}, 25), 48, 48);
+  const uint32_t green = add_material(leaf, "leaf");
+  add_shape(leaf, make_quad({0, 0.4f, 0}, {0.3f, 0.1f, 0}, {0, 0.2f, 0.2f}, green));
+  check(leaf, 0.995);
+}
+
+TEST(Coverage, OutsideTheConeThereIsNoWork) {
+  const Scene scene = make_meadow(30);
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 4);
+  CoverageVisibility coverage(tracer, cache);
+  const Light away = make_spot_light({0, 3, 0}, {0, 1, 0}, 10, 20);
+  for (const float v : known_visibility(cache, coverage, away)) ASSERT_EQ(v, 1.0f);
+  EXPECT_EQ(coverage.stats().receivers, 0u);
+  EXPECT_EQ(coverage.stats().primitives, 0u);
+}
+
+TEST(Coverage, FarLightsAreParallel) {
+  const Scene scene = make_meadow();
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 4);
+  CoverageVisibility coverage(tracer, cache);
+  const vec3 direction = glm::normalize(vec3(0.4f, 1, 0.3f));
+  const std::vector<float> parallel =
+      known_visibility(cache, coverage, make_directional_light(-direction));
+  for (const float distance : {1e5f, 1e7f}) {
+    const std::vector<float> far =
+        known_visibility(cache, coverage, make_point_light(distance * direction));
+    double difference = 0;
+    for (size_t i = 0; i < far.size(); ++i) difference += std::abs(double{far[i]} - parallel[i]);
+    EXPECT_LT(difference / static_cast<double>(far.size()), 2e-3) << distance;
+  }
+}
+
+TEST(Coverage, SolidsShadeStrandsAndStrandsShadeSolids) {
+  Scene scene = make_meadow();
+  const uint32_t skin = add_material(scene, "lambert");
+  add_shape(scene, make_sphere({0, 1.6f, 0}, 0.7f, 64, skin));
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 9);
+  CoverageVisibility coverage(tracer, cache);
+  const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
+  for (const Light& light : {make_point_light({0, 5, 0.5f}), make_point_light({2, 3, 2})}) {
+    EXPECT_NEAR(mean_of(known_visibility(cache, coverage, light)),
+                mean_of(known_visibility(cache, *rays, light)), 0.012);
+  }
+}
+
+TEST(Coverage, CubeFacesLeaveNoSeams) {
+  // A cloud of strands all around.
+  Scene scene = make_empty_scene(make_camera({0, 0, 6}, vec3(0), 45), 64, 64);
+  const uint32_t hair = add_material(scene, "kajiya-kay");
+  Random random(6, RandomStream::tests, 0);
+  for (int i = 0; i < 1500; ++i) {
+    const vec3 out = random_direction(random);
+    const vec3 across = random_direction(random);
+    const vec3 middle = random.uniform(0.7f, 2.0f) * out;
+    add_shape(scene,
+              make_strand(middle - 0.15f * across, middle + 0.15f * across, 0.008f, 2, hair));
+  }
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 9);
+  CoverageVisibility coverage(tracer, cache);
+  const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
+  const Light light = make_point_light(vec3(0));
+  const std::vector<float> found = known_visibility(cache, coverage, light);
+  const std::vector<float> traced = known_visibility(cache, *rays, light);
+  double difference[2] = {};  // elsewhere, within 3 degrees of a face's edge
+  double count[2] = {};
+  size_t i = 0;
+  const ViewReceivers view(cache);
+  for (size_t t = 0; t < view.tile_count(); ++t) {
+    view.visit_tile(t, [&](const ReceiverGroup& group) {
+      for (int lane = 0; lane < group.receivers.count; ++lane) {
+        if (!(group.receivers.weight[lane] > 0)) continue;
+        const vec3 p =
+            glm::abs(vec3(group.receivers.position[0][lane], group.receivers.position[1][lane],
+                          group.receivers.position[2][lane]));
+        const float most = max_component(p);
+        const float second = p.x + p.y + p.z - most - std::min(p.x, std::min(p.y, p.z));
+        const int seam = second > 0.95f * most ? 1 : 0;
+        difference[seam] += double{found[i]} - traced[i];
+        count[seam] += 1;
+        ++i;
+      }
+    });
+  }
+  ASSERT_GT(count[1], 100);
+  EXPECT_NEAR(difference[0] / count[0], 0, 0.02);
+  EXPECT_NEAR(difference[1] / count[1], 0, 0.05);
+}
+
+}  // namespace
+}  // namespace relume
