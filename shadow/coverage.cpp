@@ -12,7 +12,7 @@ namespace {
 /// Parts that geometry is projected in; their number never depends on the threads.
 constexpr size_t group_count = 32;
 /// Primitives that are held at a time; more are drawn in rounds over parts of the picture.
-constexpr uint64_t round_primitives = uint64_t{6} << 20;
+constexpr uint64_t round_primitives = uint64_t{16} << 20;
 /// Marks receivers that rays have to decide.
 constexpr float undecided = -1;
 

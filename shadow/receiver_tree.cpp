@@ -10,8 +10,12 @@ namespace {
 constexpr size_t chunk_size = 8192;
 constexpr uint32_t leaf_receivers = 512;
 constexpr uint32_t most_leaf_receivers = 1024;
-constexpr int morton_bits = 26;  ///< of the key's 31; above are the size and the view
+constexpr int morton_bits = 26;
 constexpr int size_bits = 2;
+/// A key is the view, the place's upper bits, the size, and the place's lower bits: parts of the
+/// picture are neighbours in it, and small parts hold footprints of one size.
+constexpr int key_bits = morton_bits + size_bits;
+constexpr int lower_bits = 16;
 
 /// A receiver in its view.
 struct Placed {
@@ -100,7 +104,9 @@ uint32_t make_key(const Placed& placed, const ReceiverTree::View& view, double m
                               : size < 3 * mean_size ? 1
                               : size < 9 * mean_size ? 2
                                                      : 3;
-  return (uint32_t{placed.view} << size_bits | size_class) << morton_bits | code;
+  const uint32_t lower = code & ((1u << lower_bits) - 1);
+  const uint32_t upper = uint32_t{placed.view} << (morton_bits - lower_bits) | code >> lower_bits;
+  return (upper << size_bits | size_class) << lower_bits | lower;
 }
 
 /// Adds the node of items [begin, end), which agree in all bits from `shift` on, at `index`.
@@ -124,7 +130,7 @@ class TreeBuilder {
       }
     } else {
       while (parts.size() < 2 && below > 0) {
-        below -= below == morton_bits + size_bits ? size_bits : 2;
+        below -= 2;
         parts.clear();
         for (uint32_t b = begin; b < end;) {
           const uint32_t prefix = tree_.items[b].key >> below;
@@ -172,14 +178,14 @@ void build_nodes(ReceiverTree& tree) {
   TreeBuilder builder(tree);
   const auto count = static_cast<uint32_t>(tree.items.size());
   for (uint32_t begin = 0; begin < count;) {
-    const uint32_t view = tree.items[begin].key >> (morton_bits + size_bits);
-    const auto last = std::partition_point(
-        tree.items.begin() + begin, tree.items.end(),
-        [&](const KeyedIndex& item) { return item.key >> (morton_bits + size_bits) == view; });
+    const uint32_t view = tree.items[begin].key >> key_bits;
+    const auto last =
+        std::partition_point(tree.items.begin() + begin, tree.items.end(),
+                             [&](const KeyedIndex& item) { return item.key >> key_bits == view; });
     const auto end = static_cast<uint32_t>(last - tree.items.begin());
     tree.views[view].root = static_cast<uint32_t>(tree.nodes.size());
     tree.nodes.emplace_back();
-    builder.build(tree.views[view].root, begin, end, morton_bits + size_bits);
+    builder.build(tree.views[view].root, begin, end, key_bits);
     begin = end;
   }
 }
@@ -193,7 +199,7 @@ void project_leaf(const LearnedReceivers& receivers, const LightViews& lights,
        receivers.covariance[4].data(), receivers.covariance[5].data()},
       receivers.bias.data(),
       receivers.margin.data()};
-  const uint32_t view = tree.items[leaf.first_item].key >> (morton_bits + size_bits);
+  const uint32_t view = tree.items[leaf.first_item].key >> key_bits;
   uint32_t index[coverage_lanes];
   for (uint32_t b = 0; b < leaf.block_count; ++b) {
     const uint32_t first = leaf.first_item + b * coverage_lanes;
