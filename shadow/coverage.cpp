@@ -11,8 +11,8 @@ namespace {
 
 /// Parts that geometry is projected in; their number never depends on the threads.
 constexpr size_t group_count = 32;
-/// Primitives that are held at a time; more are drawn in rounds over parts of the picture.
-constexpr uint64_t round_primitives = uint64_t{16} << 20;
+/// Primitives that are looked at in one go; those that reach a receiver are held.
+constexpr uint64_t round_primitives = uint64_t{8} << 20;
 /// Marks receivers that rays have to decide.
 constexpr float undecided = -1;
 
@@ -51,20 +51,19 @@ void CoverageVisibility::prepare(const Light& light) {
 void CoverageVisibility::rasterise(const LightViews& lights) {
   if (geometry_.empty() || tree_.leaves.empty()) return;
   const std::vector<ProjectionWork> work = list_projection_work(geometry_, tree_);
-  uint64_t primitives = 0;
-  for (const ProjectionWork& item : work) primitives += primitive_count(geometry_, item);
-  const auto rounds = static_cast<uint32_t>(
-      std::min<uint64_t>(tree_.leaves.size(), primitives / round_primitives + 1));
-  const auto leaves = static_cast<uint32_t>(tree_.leaves.size());
-  for (uint32_t round = 0; round < rounds; ++round) {
-    rasterise_leaves(lights, work, static_cast<uint32_t>(uint64_t{leaves} * round / rounds),
-                     static_cast<uint32_t>(uint64_t{leaves} * (round + 1) / rounds));
+  for (size_t begin = 0; begin < work.size();) {
+    uint64_t primitives = 0;
+    size_t end = begin;
+    while (end < work.size() && primitives < round_primitives) {
+      primitives += primitive_count(geometry_, work[end++]);
+    }
+    rasterise_part(lights, std::span(work).subspan(begin, end - begin));
+    begin = end;
   }
 }
 
-void CoverageVisibility::rasterise_leaves(const LightViews& lights,
-                                          std::span<const ProjectionWork> work, uint32_t first_leaf,
-                                          uint32_t end_leaf) {
+void CoverageVisibility::rasterise_part(const LightViews& lights,
+                                        std::span<const ProjectionWork> work) {
   const Timer timer;
   groups_.resize(group_count);
   parallel_for(group_count, 1, [&](size_t begin, size_t end) {
@@ -73,39 +72,38 @@ void CoverageVisibility::rasterise_leaves(const LightViews& lights,
       groups_[g].primitives.clear();
       groups_[g].reaches.clear();
       for (size_t i = work.size() * g / group_count; i < work.size() * (g + 1) / group_count; ++i) {
-        project_chunk(geometry_, receivers_, lights, tree_, work[i], first_leaf, end_leaf, scratch,
-                      groups_[g]);
+        project_chunk(geometry_, receivers_, lights, tree_, work[i], scratch, groups_[g]);
       }
     }
   });
   for (const ProjectedGeometry& group : groups_) stats_.primitives += group.primitives.size();
   stats_.project_ms += timer.ms();
   const Timer shade_timer;
-  shade_leaves(first_leaf, end_leaf);
+  shade_leaves();
   stats_.shade_ms += shade_timer.ms();
 }
 
-void CoverageVisibility::shade_leaves(uint32_t first_leaf, uint32_t end_leaf) {
+void CoverageVisibility::shade_leaves() {
   // Per group and leaf: where its primitives start in the group's order by leaf.
-  const size_t leaves = end_leaf - first_leaf;
+  const size_t leaves = tree_.leaves.size();
   std::vector<std::vector<uint32_t>> starts(group_count);
   std::vector<std::vector<uint32_t>> orders(group_count);
   parallel_for(group_count, 1, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) {
       std::vector<uint32_t>& start = starts[g];
       start.assign(leaves + 2, 0);
-      for (const auto& reach : groups_[g].reaches) ++start[reach.leaf - first_leaf + 2];
+      for (const auto& reach : groups_[g].reaches) ++start[reach.leaf + 2];
       for (size_t l = 2; l < start.size(); ++l) start[l] += start[l - 1];
       orders[g].resize(groups_[g].reaches.size());
       for (const auto& reach : groups_[g].reaches) {
-        orders[g][start[reach.leaf - first_leaf + 1]++] = reach.primitive;
+        orders[g][start[reach.leaf + 1]++] = reach.primitive;
       }
     }
   });
   std::atomic<uint64_t> tests{0};
   parallel_for(leaves, 4, [&](size_t begin, size_t end) {
     for (size_t l = begin; l < end; ++l) {
-      const ReceiverLeaf& leaf = tree_.leaves[first_leaf + l];
+      const ReceiverLeaf& leaf = tree_.leaves[l];
       CoverageTask task{};
       task.blocks = &tree_.blocks[size_t{leaf.first_block} * coverage_block_floats];
       task.bounds = tree_.bounds_of(leaf.first_block);

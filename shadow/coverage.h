@@ -38,9 +38,8 @@ class CoverageVisibility final : public VisibilitySource {
 
  private:
   void rasterise(const LightViews& lights);
-  void rasterise_leaves(const LightViews& lights, std::span<const ProjectionWork> work,
-                        uint32_t first_leaf, uint32_t end_leaf);
-  void shade_leaves(uint32_t first_leaf, uint32_t end_leaf);
+  void rasterise_part(const LightViews& lights, std::span<const ProjectionWork> work);
+  void shade_leaves();
   void collect();
   void trace(const Light& light);
 

@@ -151,19 +151,15 @@ class TreeBuilder {
     tree_.nodes.resize(first + parts.size());
     tree_.nodes[index].first_child = first;
     tree_.nodes[index].child_count = static_cast<uint32_t>(parts.size());
-    tree_.nodes[index].first_leaf = static_cast<uint32_t>(tree_.leaves.size());
     for (uint32_t i = 0; i < parts.size(); ++i) {
       build(first + i, parts[i].begin, parts[i].end, below);
     }
-    tree_.nodes[index].end_leaf = static_cast<uint32_t>(tree_.leaves.size());
   }
 
  private:
   void add_leaf(uint32_t index, uint32_t begin, uint32_t end) {
     const uint32_t blocks = (end - begin + coverage_lanes - 1) / coverage_lanes;
-    ReceiverNode& node = tree_.nodes[index];
-    node.first_leaf = static_cast<uint32_t>(tree_.leaves.size());
-    node.end_leaf = node.first_leaf + 1;
+    tree_.nodes[index].leaf = static_cast<uint32_t>(tree_.leaves.size());
     tree_.leaves.push_back({begin, end - begin, tree_.block_count, blocks});
     tree_.block_count += blocks;
   }
@@ -234,12 +230,11 @@ void bound_nodes(ReceiverTree& tree) {
       merge(node, tree.nodes[node.first_child + c], c == 0);
     }
     if (node.child_count > 0) continue;
-    const ReceiverLeaf& leaf = tree.leaves[node.first_leaf];
+    const ReceiverLeaf& leaf = tree.leaves[node.leaf];
     for (uint32_t b = 0; b < leaf.block_count; ++b) {
       const CoverageBounds bounds = tree.bounds_of(leaf.first_block + b);
       merge(node,
-            {*bounds.u_low, *bounds.u_high, *bounds.v_low, *bounds.v_high, *bounds.z_high, 0, 0, 0,
-             0},
+            {*bounds.u_low, *bounds.u_high, *bounds.v_low, *bounds.v_high, *bounds.z_high, 0, 0, 0},
             b == 0);
     }
   }

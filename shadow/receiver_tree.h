@@ -18,8 +18,7 @@ struct ReceiverNode {
   float z_high = 0;  ///< nothing farther is in front of any of them
   uint32_t first_child = 0;
   uint32_t child_count = 0;  ///< 0 = leaf
-  uint32_t first_leaf = 0;   ///< leaves below it, or itself
-  uint32_t end_leaf = 0;
+  uint32_t leaf = 0;         ///< of a leaf
 };
 
 struct ReceiverLeaf {

@@ -20,19 +20,17 @@ bool overlaps(const Box& box, const ReceiverNode& node) {
          box.v_high >= node.v_low && box.z_low <= node.z_high;
 }
 
-/// Calls visit(leaf) for each leaf in range that the box may reach.
+/// Calls visit(leaf) for each leaf that the box may reach.
 template <class Visit>
-void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box, uint32_t first_leaf,
-                   uint32_t end_leaf, std::vector<uint32_t>& stack, const Visit& visit) {
+void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
+                   std::vector<uint32_t>& stack, const Visit& visit) {
   if (stack.size() < stack_size) stack.resize(stack_size);
   uint32_t* top = stack.data();
   *top++ = root;
   while (top != stack.data()) {
     const ReceiverNode& node = tree.nodes[*--top];
     if (node.child_count == 0) {
-      if (node.first_leaf >= first_leaf && node.first_leaf < end_leaf && overlaps(box, node)) {
-        visit(node.first_leaf);
-      }
+      if (overlaps(box, node)) visit(node.leaf);
       continue;
     }
     if (static_cast<size_t>(top - stack.data()) + node.child_count > stack.size()) {
@@ -42,7 +40,7 @@ void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box, uint
     }
     for (uint32_t c = 0; c < node.child_count; ++c) {
       const ReceiverNode& child = tree.nodes[node.first_child + c];
-      if (child.end_leaf > first_leaf && child.first_leaf < end_leaf && overlaps(box, child)) {
+      if (overlaps(box, child)) {
         *top++ = node.first_child + c;
       }
     }
@@ -87,15 +85,8 @@ ShapeView make_shape_view(const CoverageView& view, const mat4x3& world_from_loc
 class ChunkProjector {
  public:
   ChunkProjector(const ReceiverTree& tree, const ReceiverTree::View& view, const ShapeView& shape,
-                 uint32_t first_leaf, uint32_t end_leaf, ProjectionScratch& scratch,
-                 ProjectedGeometry& out)
-      : tree_(tree),
-        view_(view),
-        shape_(shape),
-        first_leaf_(first_leaf),
-        end_leaf_(end_leaf),
-        scratch_(scratch),
-        out_(out) {
+                 ProjectionScratch& scratch, ProjectedGeometry& out)
+      : tree_(tree), view_(view), shape_(shape), scratch_(scratch), out_(out) {
     near_w_ = near_part * view.w_low;
     const ReceiverNode& root = tree.nodes[view.root];
     const float u = root.u_high - root.u_low;
@@ -106,7 +97,7 @@ class ChunkProjector {
     v_high_ = root.v_high + far_out * v;
   }
 
-  /// False when nothing within the local bounds reaches a leaf in range.
+  /// False when nothing within the local bounds reaches a leaf.
   bool may_reach(const Bounds& bounds) {
     Box box{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
             std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
@@ -120,12 +111,11 @@ class ChunkProjector {
       extend(box, q.x / q.w, q.y / q.w, q.z / q.w);
     }
     bool reached = false;
-    for_each_leaf(tree_, view_.root, box, first_leaf_, end_leaf_, scratch_.stack,
-                  [&](uint32_t) { reached = true; });
+    for_each_leaf(tree_, view_.root, box, scratch_.stack, [&](uint32_t) { reached = true; });
     return reached;
   }
 
-  /// Projects the points of a piece; false when nothing of it reaches a leaf in range. What is
+  /// Projects the points of a piece; false when nothing of it reaches a leaf. What is
   /// added then has to belong to the piece.
   bool project_piece(const vec4* points, uint32_t count) {
     scratch_.points.resize(count);
@@ -155,7 +145,6 @@ class ChunkProjector {
       uint32_t last = 0;
       for (uint32_t c = 0; c < node.child_count; ++c) {
         const ReceiverNode& child = tree_.nodes[node.first_child + c];
-        if (child.end_leaf <= first_leaf_ || child.first_leaf >= end_leaf_) continue;
         if (!overlaps(box, child)) continue;
         ++reached;
         last = node.first_child + c;
@@ -313,7 +302,7 @@ class ChunkProjector {
   void append(const CoveragePrimitive& primitive, const Box& box) {
     const auto number = static_cast<uint32_t>(out_.primitives.size());
     bool reached = false;
-    for_each_leaf(tree_, start_, box, first_leaf_, end_leaf_, scratch_.stack, [&](uint32_t leaf) {
+    for_each_leaf(tree_, start_, box, scratch_.stack, [&](uint32_t leaf) {
       out_.reaches.push_back({leaf, number});
       reached = true;
     });
@@ -323,8 +312,6 @@ class ChunkProjector {
   const ReceiverTree& tree_;
   const ReceiverTree::View& view_;
   const ShapeView& shape_;
-  uint32_t first_leaf_;
-  uint32_t end_leaf_;
   ProjectionScratch& scratch_;
   ProjectedGeometry& out_;
   uint32_t start_ = 0;  ///< node that holds all that the piece reaches
@@ -352,14 +339,13 @@ std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
 
 void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receivers,
                    const LightViews& lights, const ReceiverTree& tree, const ProjectionWork& work,
-                   uint32_t first_leaf, uint32_t end_leaf, ProjectionScratch& scratch,
-                   ProjectedGeometry& out) {
+                   ProjectionScratch& scratch, ProjectedGeometry& out) {
   const ThinInstance& instance = geometry.instances[work.instance];
   const ThinShape& shape = geometry.shapes[instance.shape];
   const ThinChunk& chunk = shape.chunks[work.chunk];
   const ShapeView view =
       make_shape_view(lights.views[work.view], instance.world_from_local, receivers);
-  ChunkProjector projector(tree, tree.views[work.view], view, first_leaf, end_leaf, scratch, out);
+  ChunkProjector projector(tree, tree.views[work.view], view, scratch, out);
   if (!projector.may_reach(chunk.bounds)) return;
   for (uint32_t p = chunk.first_piece; p < chunk.first_piece + chunk.piece_count; ++p) {
     const ThinPiece& piece = shape.pieces[p];

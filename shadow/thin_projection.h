@@ -32,10 +32,9 @@ struct ProjectionScratch {
   std::vector<uint32_t> stack;
 };
 
-/// Projects one chunk and appends what reaches a leaf in [first_leaf, end_leaf).
+/// Projects one chunk and appends what reaches a leaf.
 void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receivers,
                    const LightViews& lights, const ReceiverTree& tree, const ProjectionWork& work,
-                   uint32_t first_leaf, uint32_t end_leaf, ProjectionScratch& scratch,
-                   ProjectedGeometry& out);
+                   ProjectionScratch& scratch, ProjectedGeometry& out);
 
 }  // namespace relume
