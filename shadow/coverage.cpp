@@ -5,6 +5,7 @@
 #include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
+#include "shadow/members.h"
 
 namespace relume {
 namespace {
@@ -158,24 +159,17 @@ void CoverageVisibility::trace(const Light& light) {
   parallel_for(view_.tile_count(), 1, [&](size_t begin, size_t end) {
     for (size_t tile = begin; tile < end; ++tile) {
       view_.visit_tile(tile, [&](const ReceiverGroup& group) {
-        const Receivers& receivers = group.receivers;
-        const bool on_surface = receivers.normal[0] != nullptr;
-        for (int lane = 0; lane < receivers.count; ++lane) {
-          float& visible = visibility_[receivers.first + lane];
-          if (!(receivers.weight[lane] > 0) || visible == 0) continue;
-          const bool is_near = visible == undecided;
-          if (!is_near && !solid_rays) continue;
-          const vec3 position(receivers.position[0][lane], receivers.position[1][lane],
-                              receivers.position[2][lane]);
-          vec3 normal(0);
-          if (on_surface) {
-            normal = {receivers.normal[0][lane], receivers.normal[1][lane],
-                      receivers.normal[2][lane]};
+        const Member* members = group.members.data();
+        for (int lane = 0; lane < group.receivers.count; ++lane) {
+          float& visible = visibility_[group.receivers.first + lane];
+          if (group.receivers.weight[lane] > 0 && visible != 0) {
+            if (visible == undecided) {
+              visible = trace_members(all_rays_, group, lane, members, max_members);
+            } else if (solid_rays) {
+              visible *= trace_members(*solid_rays, group, lane, members, 1);
+            }
           }
-          const ShadowRays& rays = is_near ? all_rays_ : *solid_rays;
-          const bool seen = rays.sees(position, on_surface ? &normal : nullptr,
-                                      receivers.lit_from_behind, receivers.bias[lane]);
-          visible = seen ? (is_near ? 1.0f : visible) : 0.0f;
+          members += group.footprints[lane].stored_members;
         }
       });
     }

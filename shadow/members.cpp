@@ -13,6 +13,31 @@ vec3 vector_at(const float* const (&arrays)[3], int i) {
 
 }  // namespace
 
+float trace_members(const ShadowRays& rays, const ReceiverGroup& group, int lane,
+                    const Member* members, int ray_count) {
+  const Receivers& receivers = group.receivers;
+  const Footprint& footprint = group.footprints[lane];
+  const bool on_surface = receivers.normal[0] != nullptr;
+  const vec3 anchor = vector_at(receivers.position, lane);
+  const int count = std::min(ray_count, footprint.stored_members);
+  if (count <= 1) {
+    const vec3 normal = on_surface ? vector_at(receivers.normal, lane) : vec3(0);
+    const bool seen = rays.sees(anchor, on_surface ? &normal : nullptr, receivers.lit_from_behind,
+                                receivers.bias[lane]);
+    return seen ? 1.0f : 0.0f;
+  }
+  // Stored positions are rounded: by half a step an axis, and to the anchor's last bits.
+  const float bias = receivers.bias[lane] + member_scale(footprint) * 0x1p-14f;
+  int seen = 0;
+  for (int ray = 0; ray < count; ++ray) {
+    const Member& member = members[(2 * ray + 1) * footprint.stored_members / (2 * count)];
+    const bool sees = rays.sees(anchor + member.offset, on_surface ? &member.normal : nullptr,
+                                receivers.lit_from_behind, bias);
+    seen += sees ? 1 : 0;
+  }
+  return static_cast<float>(seen) / static_cast<float>(count);
+}
+
 MemberVisibility::MemberVisibility(const Tracer& tracer, const RelightCache& cache, int rays)
     : view_(cache), rays_(tracer), ray_count_(rays), visibility_(view_.count(), 1.0f) {
   CHECK_MSG(rays >= 1, "rays {}", rays);
@@ -34,35 +59,12 @@ void MemberVisibility::prepare(const Light& light) {
 }
 
 void MemberVisibility::trace_group(const ReceiverGroup& group, float* visibility) const {
-  const Receivers& receivers = group.receivers;
-  const bool on_surface = receivers.normal[0] != nullptr;
-  const Member* stored = group.members.data();
-  for (int i = 0; i < receivers.count; ++i) {
-    const Footprint& footprint = group.footprints[i];
-    const Member* members = stored;
-    stored += footprint.stored_members;
-    if (!(receivers.weight[i] > 0)) continue;
-    const vec3 anchor = vector_at(receivers.position, i);
-    const int rays = std::min(ray_count_, footprint.stored_members);
-    if (rays <= 1) {
-      const vec3 normal = on_surface ? vector_at(receivers.normal, i) : vec3(0);
-      visibility[i] = rays_.sees(anchor, on_surface ? &normal : nullptr, receivers.lit_from_behind,
-                                 receivers.bias[i])
-                          ? 1.0f
-                          : 0.0f;
-      continue;
+  const Member* members = group.members.data();
+  for (int lane = 0; lane < group.receivers.count; ++lane) {
+    if (group.receivers.weight[lane] > 0) {
+      visibility[lane] = trace_members(rays_, group, lane, members, ray_count_);
     }
-    // Stored positions are rounded: by half a step an axis, and to the anchor's last bits.
-    const float bias = receivers.bias[i] + member_scale(footprint) * 0x1p-14f;
-    int seen = 0;
-    for (int ray = 0; ray < rays; ++ray) {
-      const Member& member = members[(2 * ray + 1) * footprint.stored_members / (2 * rays)];
-      seen += rays_.sees(anchor + member.offset, on_surface ? &member.normal : nullptr,
-                         receivers.lit_from_behind, bias)
-                  ? 1
-                  : 0;
-    }
-    visibility[i] = static_cast<float>(seen) / static_cast<float>(rays);
+    members += group.footprints[lane].stored_members;
   }
 }
 

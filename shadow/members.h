@@ -7,6 +7,11 @@
 
 namespace relume {
 
+/// Traces up to `ray_count` rays, 1 or more, for lane `lane` of a group, whose stored members start
+/// at `members`; returns the part that is not occluded. Without members: one ray from the anchor.
+float trace_members(const ShadowRays& rays, const ReceiverGroup& group, int lane,
+                    const Member* members, int ray_count);
+
 /// Shadow rays from several of the samples that a receiver stands for: visibility is the part of
 /// them that is not occluded. From all of them it is what traced shadows of all samples give, with
 /// each sample at its record's shading. Receivers of one sample cost one ray.

@@ -3,6 +3,8 @@
 // milliseconds.
 //
 // Usage: bench_coverage SCENE WIDTH HEIGHT TRUTH_SPP RECORDS [METHOD...]
+// METHOD "samples" is coverage with every sample a record. LIGHTS=n in the environment: the first
+// n.
 
 #include <fmt/format.h>
 
