@@ -13,7 +13,7 @@ namespace {
 /// Parts that geometry is projected in; their number never depends on the threads.
 constexpr size_t group_count = 32;
 /// Primitives that are looked at in one go; those that reach a receiver are held.
-constexpr uint64_t round_primitives = uint64_t{8} << 20;
+constexpr uint64_t round_primitives = uint64_t{2} << 20;
 /// Marks receivers that rays have to decide.
 constexpr float undecided = -1;
 
@@ -32,7 +32,10 @@ CoverageVisibility::CoverageVisibility(const Tracer& tracer, const RelightCache&
       kernels_(coverage_kernels(choose_instruction_set(set))),
       receivers_(learn_receivers(view_)),
       visibility_(view_.count(), 1.0f) {
-  if (!geometry_.solids.instances.empty()) solids_.emplace(geometry_.solids);
+  if (geometry_.solids.instances.empty()) return;
+  // Where the scene was too large to flatten, so that memory does not grow with its instances.
+  if (!tracer.stats().flattened) geometry_.solids.instancing = Instancing::instance;
+  solids_.emplace(geometry_.solids);
 }
 
 void CoverageVisibility::prepare(const Light& light) {
