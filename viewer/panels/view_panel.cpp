@@ -90,7 +90,7 @@ void heat_scale(const UiState& ui, const char* unit, float range) {
 /// What speed may cost.
 void budget_rows(UiState& ui, Session& session) {
   ViewState& view = session.view();
-  row_label("coarse above");
+  row_label("coarse at");
   ImGui::SliderFloat("##frame_ms", &view.frame_ms, 0, largest_frame_ms,
                      view.frame_ms > 0 ? "%.0f ms" : "never",
                      ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
@@ -129,10 +129,13 @@ void view_panel(UiState& ui, Session& session) {
   row_label("curve");
   choose(ui, "view.curve", tone_curve_labels, view.display.curve);
   row_label("shadows");
-  choose(ui, "shadows", shadow_method_labels, view.shadows, [&](ShadowMethod method) {
-    if (method == ShadowMethod::none) return true;
-    return info.can_trace && (method != ShadowMethod::members || info.has_members);
-  });
+  choose(
+      ui, "shadows", shadow_method_labels, view.shadows,
+      [&](ShadowMethod method) {
+        if (method == ShadowMethod::none) return true;
+        return info.can_trace && (method != ShadowMethod::members || info.has_members);
+      },
+      3);
   row_label("heatmap");
   choose(ui, "heatmap", heat_range_labels, view.heat_range);
   budget_rows(ui, session);
