@@ -28,9 +28,14 @@ bool Combiner::add(const std::vector<LayerTerm>& terms, size_t t, int blocks, Ti
 }
 
 void Combiner::prefetch(size_t t) const {
+  const PackedTile& tile = cache_.tiles()[t];
+  for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
+    const float* const row = frame_.at(tile.x0, y);
+    for (int i = 0; i < 3 * tile.width; i += 16) __builtin_prefetch(row + i, 1);
+  }
   // Sums of many layers stream by themselves.
   if (!terms_.kept.empty() || terms_.full.size() > 2) return;
-  const int floats = cache_.tiles()[t].block_count * block_floats;
+  const int floats = tile.block_count * block_floats;
   for (const LayerTerm& term : terms_.full) {
     if (term.shaded >= 0 || !term.layer->is_lit(t)) continue;
     const float* const layer = term.layer->tile(layout_, t);

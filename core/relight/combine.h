@@ -33,7 +33,8 @@ class Combiner {
   /// Writes a tile of the frame; returns how many values were not finite and became 0.
   int combine(size_t t, TileScratch& scratch) const;
 
-  /// Asks for what combine() of a tile will read beside the scratch, if that is little.
+  /// Asks for the part of the frame that combine() of a tile will write, and for what it will read
+  /// beside the scratch, if that is little.
   void prefetch(size_t t) const;
 
  private:
