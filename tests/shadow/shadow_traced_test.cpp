@@ -3,6 +3,7 @@
 #include "core/base/random.h"
 #include "shadow/shadow.h"
 #include "shadow/traced.h"
+#include "tests/support/receiver_set.h"
 #include "tests/support/records.h"
 #include "tests/support/scenes.h"
 
@@ -10,38 +11,6 @@ namespace relume {
 namespace {
 
 using namespace test;  // NOLINT: scene and light builders
-
-/// Receivers in arrays of their own.
-struct ReceiverSet {
-  std::vector<float> weight, x, y, z, nx, ny, nz, bias;
-
-  void add(vec3 p, vec3 n, float bias_value, float w = 1) {
-    weight.push_back(w);
-    x.push_back(p.x);
-    y.push_back(p.y);
-    z.push_back(p.z);
-    nx.push_back(n.x);
-    ny.push_back(n.y);
-    nz.push_back(n.z);
-    bias.push_back(bias_value);
-  }
-  Receivers view(bool surface, bool lit_from_behind = false) const {
-    Receivers receivers;
-    receivers.count = static_cast<int>(weight.size());
-    receivers.weight = weight.data();
-    receivers.position[0] = x.data();
-    receivers.position[1] = y.data();
-    receivers.position[2] = z.data();
-    if (surface) {
-      receivers.normal[0] = nx.data();
-      receivers.normal[1] = ny.data();
-      receivers.normal[2] = nz.data();
-    }
-    receivers.bias = bias.data();
-    receivers.lit_from_behind = lit_from_behind;
-    return receivers;
-  }
-};
 
 std::vector<float> visibility_of(const Scene& scene, const Light& light,
                                  const Receivers& receivers) {

@@ -10,8 +10,8 @@ namespace relume::test {
 struct ReceiverSet {
   std::vector<float> weight, x, y, z, nx, ny, nz, bias;
 
-  void add(vec3 p, vec3 n, float bias_value) {
-    weight.push_back(1);
+  void add(vec3 p, vec3 n, float bias_value, float w = 1) {
+    weight.push_back(w);
     x.push_back(p.x);
     y.push_back(p.y);
     z.push_back(p.z);
@@ -30,7 +30,7 @@ struct ReceiverSet {
     return set;
   }
 
-  Receivers view(bool surface) const {
+  Receivers view(bool surface, bool lit_from_behind = false) const {
     Receivers receivers;
     receivers.count = static_cast<int>(weight.size());
     receivers.weight = weight.data();
@@ -43,6 +43,7 @@ struct ReceiverSet {
       receivers.normal[2] = nz.data();
     }
     receivers.bias = bias.data();
+    receivers.lit_from_behind = lit_from_behind;
     return receivers;
   }
 

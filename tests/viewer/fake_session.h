@@ -15,8 +15,7 @@ class SpotSource final : public FrameSource {
   SpotSource(const Camera& camera, int width, int height, float ripple)
       : rays_(camera, width, height), width_(width), height_(height), ripple_(ripple) {}
 
-  void render(const RelightRequest& request, const std::atomic<bool>&,
-              RelitFrame& frame) override {
+  void render(const RelightRequest& request, const std::atomic<bool>&, RelitFrame& frame) override {
     frame.image = Image(width_, height_);
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
