@@ -204,18 +204,15 @@ struct ShaderTable {
   void (*decode)(const EncodedSlots&, float*);
 };
 
-template <class Shader, CacheFormat format>
-constexpr ShaderTable table_of() {
-  using K = LightKernel;
-  return {{kernels_of<Shader, format, K::point>(), kernels_of<Shader, format, K::point_constant>(),
-           kernels_of<Shader, format, K::spot>(), kernels_of<Shader, format, K::spot_constant>(),
-           kernels_of<Shader, format, K::directional>()},
+template <class Shader, CacheFormat format, int... kinds>
+constexpr ShaderTable table_of(std::integer_sequence<int, kinds...>) {
+  return {{kernels_of<Shader, format, static_cast<LightKernel>(kinds)>()...},
           decode_slots_of<Shader, format>};
 }
 
 template <CacheFormat format, class... Shaders>
 const ShaderTable* format_table(ShaderList<Shaders...>) {
-  static constexpr ShaderTable table[] = {table_of<Shaders, format>()...};
+  static constexpr ShaderTable table[] = {table_of<Shaders, format>(LightKernels{})...};
   return table;
 }
 

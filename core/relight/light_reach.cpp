@@ -8,6 +8,7 @@ namespace {
 
 /// Far above what the rounding of kernels turns a direction by.
 constexpr double angle_margin = 1e-3;
+constexpr double range_margin = 1e-3;  ///< likewise, of distances
 
 void extend(Bounds& bounds, const CacheInfo& info, const PackedBlock& block, const float* records) {
   for (size_t t = 0; t < info.types.size(); ++t) {
@@ -42,7 +43,7 @@ std::vector<Bounds> tile_bounds(const RelightCache& cache) {
 }
 
 bool may_miss(const KernelLight& light) {
-  return light.kind == LightKernel::spot || light.kind == LightKernel::spot_constant;
+  return is_spot(light.kind) || has_range(light.kind);
 }
 
 bool can_reach(const KernelLight& light, const Bounds& bounds) {
@@ -50,8 +51,13 @@ bool can_reach(const KernelLight& light, const Bounds& bounds) {
   const dvec3 center = 0.5 * (dvec3(bounds.low) + dvec3(bounds.high));
   const double radius = 0.5 * glm::distance(dvec3(bounds.low), dvec3(bounds.high));
   const dvec3 position(light.position[0], light.position[1], light.position[2]);
-  const dvec3 axis = -dvec3(light.to_light[0], light.to_light[1], light.to_light[2]);
   const double distance = glm::distance(center, position);
+  if (has_range(light.kind)) {
+    const double reach = (1 + range_margin) / std::sqrt(double{light.inverse_range_squared});
+    if (distance > reach + radius * (1 + range_margin)) return false;
+  }
+  if (!is_spot(light.kind)) return true;
+  const dvec3 axis = -dvec3(light.to_light[0], light.to_light[1], light.to_light[2]);
   if (distance <= radius * (1 + angle_margin)) return true;
   const double cosine = glm::dot(center - position, axis) / distance;
   const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));

@@ -9,7 +9,7 @@
 
 namespace relume {
 
-// The .relume file, version 4, little-endian (docs/cache-format.md):
+// The .relume file, version 5, little-endian (docs/cache-format.md):
 //   CacheHeader | chunks, each 64-byte aligned | info | TileEntry[tile_count]
 // The tiles are those of the image, row by row. The chunks of a row of tiles follow each other,
 // then their footprint chunks. A tile chunk: data (words of 4 bytes, see PackedBlock), block
@@ -22,7 +22,7 @@ namespace relume {
 // by lane.
 
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
-inline constexpr uint32_t cache_version = 4;
+inline constexpr uint32_t cache_version = 5;
 inline constexpr uint32_t cache_endian_mark = 0x01020304;
 inline constexpr int max_slots = 4096;  ///< of one type in one block: samples a pixel
 

@@ -84,6 +84,7 @@ void visit_light(Archive& archive, LightRef& light) {
   archive.value(light.inner_angle_deg);
   archive.value(light.outer_angle_deg);
   visit_byte(archive, light.falloff, 2);
+  archive.value(light.range);
   archive.value(light.color);
   archive.value(light.gain);
   visit_byte(archive, light.mute, 2);

@@ -26,6 +26,11 @@ vec3 between(vec3 low, vec3 high, Random& random) {
 
 }  // namespace
 
+float reach_of(const Light& light) {
+  const bool ends = light.type != LightType::directional && light.falloff && light.range > 0;
+  return ends ? light.range : std::numeric_limits<float>::infinity();
+}
+
 void validate_light(const Light& light, const std::string& place) {
   // Squared distances must stay within a float.
   require(is_finite(light.position) && max_abs_component(light.position) <= 1e15f, place,
@@ -38,6 +43,9 @@ void validate_light(const Light& light, const std::string& place) {
   require(light.inner_angle_deg >= 0 && light.inner_angle_deg <= light.outer_angle_deg, place,
           "inner_angle_deg", "is not within [0, outer_angle_deg]",
           "give the half angle in degrees");
+  require(light.range == 0 || (light.range >= 1e-15f && light.range <= 1e15f), place, "range",
+          "is not 0 or within [1e-15, 1e15]",
+          "give the distance where the light ends, or 0 for none");
   require(is_finite(light.color) && glm::all(glm::greaterThanEqual(light.color, vec3(0))) &&
               max_component(light.color) <= 1e20f,
           place, "color", "has a component that is negative, not finite or above 1e20",
@@ -48,7 +56,8 @@ void validate_light(const Light& light, const std::string& place) {
 
 bool same_layer(const Light& a, const Light& b) {
   if (a.type != b.type || a.casts_shadow != b.casts_shadow) return false;
-  const bool same_position = a.position == b.position && a.falloff == b.falloff;
+  const bool same_position =
+      a.position == b.position && a.falloff == b.falloff && reach_of(a) == reach_of(b);
   const bool same_direction = a.direction == b.direction;
   switch (a.type) {
     case LightType::point:
@@ -62,6 +71,11 @@ bool same_layer(const Light& a, const Light& b) {
   return false;
 }
 
+bool can_interpolate(const Light& a, const Light& b) {
+  return a.type == b.type && a.falloff == b.falloff && a.casts_shadow == b.casts_shadow &&
+         (a.range > 0) == (b.range > 0);
+}
+
 Light interpolate_light(const Light& low, const Light& high, uint64_t seed, uint64_t index) {
   Random random(seed, RandomStream::lights, index);
   Light light = low;
@@ -73,6 +87,7 @@ Light interpolate_light(const Light& low, const Light& high, uint64_t seed, uint
   light.inner_angle_deg = std::min(light.inner_angle_deg, light.outer_angle_deg);
   light.color = between(low.color, high.color, random);
   light.gain = between(low.gain, high.gain, random);
+  light.range = between(low.range, high.range, random);
   if (!(glm::length(light.direction) > 0)) light.direction = low.direction;
   return light;
 }

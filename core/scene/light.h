@@ -21,8 +21,9 @@ inline constexpr std::array light_type_labels = {
 /// Cones below half a degree are not resolved by single-precision cosines.
 inline constexpr float min_spot_angle_deg = 0.5f;
 
-/// One light. Geometry (type, position, direction, cone, falloff) decides a light's layer; gain,
-/// colour and mute only weigh it, so changing them never reshades (sec. "Lights" of the design).
+/// One light. Geometry (type, position, direction, cone, falloff, range) decides a light's layer;
+/// gain, colour and mute only weigh it, so changing them never reshades (sec. "Lights" of the
+/// design).
 struct Light {
   std::string name = "light";
   LightType type = LightType::point;
@@ -35,6 +36,9 @@ struct Light {
   /// Inverse-square falloff: irradiance = color * gain / d^2. Off: irradiance = color * gain at any
   /// distance. Directional lights have none.
   bool falloff = true;
+  /// World units: with falloff, irradiance is windowed by max(0, 1 - (d / range)^4), so that the
+  /// light ends there (glTF, KHR_lights_punctual). 0: it has no end.
+  float range = 0;
   vec3 color{1, 1, 1};  ///< scene-linear, >= 0
   float gain = 1;  ///< radiant intensity (falloff on) or irradiance (off) per unit colour, >= 0
   bool mute = false;
@@ -47,12 +51,18 @@ struct Light {
   }
 };
 
+/// The distance beyond which a light gives nothing, world units; infinite where it has no end.
+float reach_of(const Light& light);
+
 /// Throws Error(input) that names `place` and the field when a parameter is not finite or out of
 /// range.
 void validate_light(const Light& light, const std::string& place);
 
 /// True when two lights shade the same layer, that is differ in weight or name only.
 bool same_layer(const Light& a, const Light& b);
+
+/// True when two lights agree in all but numbers, as interpolate_light() requires.
+bool can_interpolate(const Light& a, const Light& b);
 
 /// A random light between two representatives (TR2007-600 sec. 3.2): position, direction, angles,
 /// colour and gain are interpolated independently of each other, each vector component by itself,

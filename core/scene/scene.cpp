@@ -305,10 +305,9 @@ void Validator::check_lights() const {
   }
   validate_light(scene_.representative_low, place("representative_lights/0"));
   validate_light(scene_.representative_high, place("representative_lights/1"));
-  require(scene_.representative_low.type == scene_.representative_high.type &&
-              scene_.representative_low.falloff == scene_.representative_high.falloff &&
-              scene_.representative_low.casts_shadow == scene_.representative_high.casts_shadow,
-          "representative_lights", "the two differ in type, falloff or casts_shadow",
+  require(can_interpolate(scene_.representative_low, scene_.representative_high),
+          "representative_lights",
+          "the two differ in type, falloff, casts_shadow or in having a range",
           "give them the same: only numbers are interpolated");
 }
 

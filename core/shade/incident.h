@@ -16,6 +16,7 @@ struct LightPack {
   V to_light;
   F cos_outer;
   F inverse_cos_range;
+  F inverse_range_squared;
   F min_distance_squared;
 };
 
@@ -24,6 +25,7 @@ inline LightPack broadcast(const KernelLight& light) {
           {F(light.to_light[0]), F(light.to_light[1]), F(light.to_light[2])},
           F(light.cos_outer),
           F(light.inverse_cos_range),
+          F(light.inverse_range_squared),
           F(light.min_distance_squared)};
 }
 
@@ -42,9 +44,12 @@ Incident incident(const LightPack& light, V p) {
     const F distance_squared = min(max(dot(d, d), light.min_distance_squared), F(1e36f));
     const F inverse_distance = rsqrt(distance_squared);
     const V wi = d * inverse_distance;
-    constexpr bool falloff = kind == LightKernel::point || kind == LightKernel::spot;
-    F irradiance = falloff ? inverse_distance * inverse_distance : F(1);
-    if constexpr (kind == LightKernel::spot || kind == LightKernel::spot_constant) {
+    F irradiance = has_falloff(kind) ? inverse_distance * inverse_distance : F(1);
+    if constexpr (has_range(kind)) {
+      const F part = distance_squared * light.inverse_range_squared;
+      irradiance = irradiance * max(F(1) - part * part, F(0));
+    }
+    if constexpr (is_spot(kind)) {
       const F t = min(
           max((dot(wi, light.to_light) - light.cos_outer) * light.inverse_cos_range, F(0)), F(1));
       irradiance = irradiance * t * t * (F(3) - F(2) * t);

@@ -29,6 +29,7 @@ void append_column(LightSet& set, const Light& light, const KernelLight& kernel,
   }
   set.arrays[6].push_back(kernel.cos_outer);
   set.arrays[7].push_back(kernel.inverse_cos_range);
+  set.arrays[8].push_back(kernel.inverse_range_squared);
 }
 
 }  // namespace
@@ -96,7 +97,8 @@ void LobeEvaluator::lobes(int type, const float* vector, float* out) const {
                            {&a[0][first], &a[1][first], &a[2][first]},
                            {&a[3][first], &a[4][first], &a[5][first]},
                            &a[6][first],
-                           &a[7][first]});
+                           &a[7][first],
+                           &a[8][first]});
   }
 }
 
@@ -117,7 +119,8 @@ void LobeEvaluator::lobes_and_derivatives(int type, const float* vector, vec3 ta
                                            {&a[0][first], &a[1][first], &a[2][first]},
                                            {&a[3][first], &a[4][first], &a[5][first]},
                                            &a[6][first],
-                                           &a[7][first]});
+                                           &a[7][first],
+                                           &a[8][first]});
   }
 }
 

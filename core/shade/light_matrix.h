@@ -11,9 +11,10 @@ namespace relume {
 /// sec. 3.2. Column j of every matrix below belongs to one light; columns are grouped by the
 /// lights' kinds and each group is padded to a multiple of 16 with copies whose weight is 0.
 struct LightSet {
-  std::vector<Light> lights;       ///< per column; padding repeats a light of the group
-  std::vector<float> weights[3];   ///< per column and channel: color * gain, 0 for padding
-  std::vector<float> arrays[8];    ///< per column: position, to_light, cos_outer, inverse_cos_range
+  std::vector<Light> lights;      ///< per column; padding repeats a light of the group
+  std::vector<float> weights[3];  ///< per column and channel: color * gain, 0 for padding
+  /// Per column: position, to_light, cos_outer, inverse_cos_range, inverse_range_squared.
+  std::vector<float> arrays[9];
   std::vector<LightKernel> kinds;  ///< per group of 16 columns
   float min_distance_squared = 0;
   int light_count = 0;  ///< l, without padding

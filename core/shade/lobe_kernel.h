@@ -17,6 +17,7 @@ struct KernelLightGroup {
   const float* to_light[3];
   const float* cos_outer;
   const float* inverse_cos_range;
+  const float* inverse_range_squared;
 };
 
 /// One sample vector under one group of lights.

@@ -20,11 +20,13 @@ LightPack load_lights(const KernelLightGroup& group, int first, float min_distan
   LightPack light{};
   light.min_distance_squared = F(min_distance_squared);
   if constexpr (kind != LightKernel::directional) light.position = load3(group.position);
-  if constexpr (kind == LightKernel::spot || kind == LightKernel::spot_constant ||
-                kind == LightKernel::directional) {
+  if constexpr (is_spot(kind) || kind == LightKernel::directional) {
     light.to_light = load3(group.to_light);
   }
-  if constexpr (kind == LightKernel::spot || kind == LightKernel::spot_constant) {
+  if constexpr (has_range(kind)) {
+    light.inverse_range_squared = F::load(group.inverse_range_squared + first);
+  }
+  if constexpr (is_spot(kind)) {
     light.cos_outer = F::load(group.cos_outer + first);
     light.inverse_cos_range = F::load(group.inverse_cos_range + first);
   }
@@ -85,19 +87,15 @@ struct LobeTable {
   LobeFunction derivatives[static_cast<int>(LightKernel::count)];
 };
 
-template <class S>
-constexpr LobeTable lobe_table_of() {
-  using K = LightKernel;
-  return {{store_lobes<S, K::point>, store_lobes<S, K::point_constant>, store_lobes<S, K::spot>,
-           store_lobes<S, K::spot_constant>, store_lobes<S, K::directional>},
-          {store_derivatives<S, K::point>, store_derivatives<S, K::point_constant>,
-           store_derivatives<S, K::spot>, store_derivatives<S, K::spot_constant>,
-           store_derivatives<S, K::directional>}};
+template <class S, int... kinds>
+constexpr LobeTable lobe_table_of(std::integer_sequence<int, kinds...>) {
+  return {{store_lobes<S, static_cast<LightKernel>(kinds)>...},
+          {store_derivatives<S, static_cast<LightKernel>(kinds)>...}};
 }
 
 template <class... Shaders>
 const LobeTable& lobe_table(ShaderList<Shaders...>, int shader) {
-  static constexpr LobeTable table[] = {lobe_table_of<Shaders>()...};
+  static constexpr LobeTable table[] = {lobe_table_of<Shaders>(LightKernels{})...};
   return table[shader];
 }
 

@@ -47,6 +47,8 @@ dvec3 reference_response(const SampleType& type, const float* vector, const Ligh
   if (!(distance > 0)) return dvec3(0);
   const dvec3 wi = to_light / distance;
   double irradiance = light.falloff ? 1 / (distance * distance) : 1.0;
+  const double part = distance / reach_of(light);
+  irradiance *= std::max(0.0, 1 - part * part * part * part);
   if (light.type == LightType::spot) irradiance *= spot_factor(light, wi);
   return shade(wide, wi, wo) * irradiance;
 }

@@ -36,8 +36,10 @@ struct NamedKind {
 
 constexpr NamedKind light_kinds[] = {{LightKernel::point, "point"},
                                      {LightKernel::point_constant, "point-constant"},
+                                     {LightKernel::point_range, "point-range"},
                                      {LightKernel::spot, "spot"},
                                      {LightKernel::spot_constant, "spot-constant"},
+                                     {LightKernel::spot_range, "spot-range"},
                                      {LightKernel::directional, "directional"}};
 static_assert(std::size(light_kinds) == static_cast<size_t>(LightKernel::count));
 
@@ -45,13 +47,14 @@ static_assert(std::size(light_kinds) == static_cast<size_t>(LightKernel::count))
 KernelLight make_light(LightKernel kind, int i) {
   const auto x = static_cast<float>(i);
   const vec3 position(x, 3 - x, 4);
-  const bool falloff = kind == LightKernel::point || kind == LightKernel::spot;
+  const bool falloff = has_falloff(kind);
   Light light = make_point_light(position, 1, falloff);
-  if (kind == LightKernel::spot || kind == LightKernel::spot_constant) {
+  if (is_spot(kind)) {
     light = make_spot_light(position, -position, 5, 10, falloff);
   } else if (kind == LightKernel::directional) {
     light = make_directional_light(-position);
   }
+  if (has_range(kind)) light.range = 6;
   return make_kernel_light(light, 1);
 }
 

@@ -241,7 +241,7 @@ TEST_F(DragTest, ACancelledCallLeavesNothingWrong) {
   EXPECT_EQ(max_difference(state_.frame, render_frame(cache_, lights_)), 0);
 }
 
-/// Random narrow spots in and around the records, none of which may lose a lit tile.
+/// Random narrow spots and short lights in and around the records; none may lose a lit tile.
 TEST_F(DragTest, ATileIsMissedOnlyWhereItGetsNothing) {
   const std::vector<Bounds> bounds = tile_bounds(cache_);
   Random random(7, RandomStream::tests, 0);
@@ -250,7 +250,9 @@ TEST_F(DragTest, ATileIsMissedOnlyWhereItGetsNothing) {
     const vec3 position = 4.0f * random_direction(random);
     const vec3 target = random_direction(random);
     const float outer = std::exp2(random.uniform(-1, 6.4f));
-    const Light light = make_spot_light(position, target - position, 0.5f * outer, outer);
+    Light light = make_spot_light(position, target - position, 0.5f * outer, outer);
+    if (i % 3 == 1) light.type = LightType::point;
+    if (i % 3 != 0) light.range = random.uniform(0.5f, 5);
     const Image layer = reference_layer(cache_, light, nullptr);
     const KernelLight kernel = make_kernel_light(light, cache_.info().bounds.radius());
     for (size_t t = 0; t < bounds.size(); ++t) {
@@ -271,7 +273,11 @@ TEST_F(DragTest, MissedTilesAreCountedAndBlack) {
   lights_ = {make_spot_light({9, 9, 9}, {1, 1, 1}, 5, 10)};  // away from everything
   EXPECT_EQ(update({}).tiles_missed, cache_.tiles().size());
   EXPECT_EQ(max_difference(state_.frame, Image(width, height)), 0);
-  lights_[0].direction = {-1, -1, -1};
+  lights_ = {make_point_light({9, 9, 9})};
+  lights_[0].range = 2;
+  EXPECT_EQ(update({}).tiles_missed, cache_.tiles().size());
+  EXPECT_EQ(max_difference(state_.frame, Image(width, height)), 0);
+  lights_[0].range = 30;
   EXPECT_LT(update({}).tiles_missed, cache_.tiles().size());
   EXPECT_GT(max_difference(state_.frame, Image(width, height)), 0);
 }

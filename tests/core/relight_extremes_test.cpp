@@ -80,6 +80,13 @@ std::vector<std::vector<float>> stored_vectors(const RelightCache& cache) {
 /// Lights of every kind at `position`, spots aimed at `target`.
 void append_positional(vec3 position, vec3 target, std::vector<Light>& lights) {
   const vec3 aim = normalize_or(target - position, {0, 0, -1});
+  for (const float part : {0.5f, 1.0f, 1.0001f, 3.0f}) {
+    const float range = std::clamp(part * glm::distance(position, target), 1e-15f, 1e15f);
+    lights.push_back(make_point_light(position));
+    lights.back().range = range;
+    lights.push_back(make_spot_light(position, aim, 20, 40));
+    lights.back().range = range;
+  }
   for (const bool falloff : {true, false}) {
     lights.push_back(make_point_light(position, 1, falloff));
     lights.push_back(make_spot_light(position, aim, 20, 40, falloff));

@@ -19,7 +19,13 @@ using namespace test;  // NOLINT: light and record builders
 std::vector<Light> lights_at(float distance) {
   const vec3 towards = normalize_or({0.3f, 0.5f, 0.8f}, {0, 0, 1});
   const vec3 position = distance * towards;
+  Light near = make_point_light(position);
+  near.range = std::max(distance, 1e-15f);
+  Light near_spot = make_spot_light(position, -towards, 10, 90);
+  near_spot.range = std::min(1.2f * near.range, 1e15f);
   return {make_point_light(position),
+          near,
+          near_spot,
           make_point_light(position, 1, false),
           make_spot_light(position, -towards, 10, 25),
           make_spot_light(position, -towards, 20, 20, false),

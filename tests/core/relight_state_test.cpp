@@ -140,6 +140,7 @@ TEST_F(RelightTest, ColourGainNameAndMuteShadeNothing) {
 TEST_F(RelightTest, EveryGeometryFieldShadesItsLayer) {
   const std::vector<std::pair<size_t, void (*)(Light&)>> changes = {
       {0, [](Light& l) { l.position.y = 2; }},
+      {0, [](Light& l) { l.range = 5; }},
       {0, [](Light& l) { l.falloff = false; }},
       {0, [](Light& l) { l.casts_shadow = false; }},
       {0, [](Light& l) { l.type = LightType::spot; }},
@@ -157,6 +158,10 @@ TEST_F(RelightTest, EveryGeometryFieldShadesItsLayer) {
   // What a light's kind does not read does not matter.
   lights_[2].position = {7, 7, 7};
   lights_[2].falloff = false;
+  lights_[2].range = 3;
+  lights_[0].falloff = false;
+  update();
+  lights_[0].range = 3;
   EXPECT_EQ(update().layers_shaded, 0);
 }
 

@@ -287,6 +287,7 @@ TEST(LightFiles, ComeBackAsTheyWere) {
   lights[1].inner_angle_deg = 0;
   lights[1].outer_angle_deg = 89.5f;
   lights[1].falloff = false;
+  lights[1].range = 1.25f;
   lights[2].name = "sun";
   lights[2].type = LightType::directional;
   lights[2].color = {0.3f, 0, 1e20f};
@@ -302,6 +303,7 @@ TEST(LightFiles, ComeBackAsTheyWere) {
     EXPECT_EQ(read[i].inner_angle_deg, lights[i].inner_angle_deg);
     EXPECT_EQ(read[i].outer_angle_deg, lights[i].outer_angle_deg);
     EXPECT_EQ(read[i].falloff, lights[i].falloff);
+    EXPECT_EQ(read[i].range, lights[i].range);
     EXPECT_EQ(read[i].color, lights[i].color);
     EXPECT_EQ(read[i].gain, lights[i].gain);
     EXPECT_EQ(read[i].mute, lights[i].mute);

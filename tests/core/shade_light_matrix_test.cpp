@@ -28,6 +28,7 @@ std::vector<Light> mixed_lights() {
                  : i % 5 == 1 ? LightType::spot
                               : LightType::point;
     light.falloff = i % 2 == 0;
+    light.range = i % 3 == 0 ? 4.0f : 0.0f;
     light.position.x = random.uniform(-3, 3);
     light.position.y = random.uniform(-3, 3);
     light.position.z = random.uniform(1, 4);

@@ -28,19 +28,28 @@ dvec3 jitter(dvec3 v, double size, Random& random) {
 /// Where light comes from and how much of it, the cone aside.
 struct Arrival {
   dvec3 wi;
-  double irradiance = 1;
+  double irradiance = 1;  ///< without the window of a range
+  double distance = 0;
 };
 
 Arrival arrive(const Light& light, dvec3 p, double scene_radius) {
   if (light.type == LightType::directional) return {-glm::normalize(dvec3(light.direction))};
   const dvec3 d = dvec3(light.position) - p;
   const double distance = std::max({glm::length(d), min_light_distance * scene_radius, 1e-18});
-  return {d / distance, light.falloff ? 1 / (distance * distance) : 1};
+  return {d / distance, light.falloff ? 1 / (distance * distance) : 1, distance};
 }
 
 dvec3 direction_to_eye(dvec3 eye, dvec3 p) {
   const double distance = glm::distance(eye, p);
   return distance > 0 ? (eye - p) / distance : dvec3(0);
+}
+
+/// Part of the response, its window aside, that rounding of the distance may change: by a few
+/// float digits, or from `d` to `d_off`.
+double range_error(const Light& light, double d, double d_off) {
+  const auto part = [&](double x) { return std::pow(x / reach_of(light), 4); };
+  if (std::min(part(d), part(d_off)) > 1.001) return 0;
+  return 2 * std::abs(part(d) - part(d_off)) + 2e-6 * part(d);
 }
 
 /// Part of the response that the rounding of a spot's cosine may change.
@@ -68,6 +77,7 @@ ResponseBound bound_response(const SampleType& type, const float* vector, const 
   dvec3 spread(0);
   double wi_error = 0;
   double irradiance = arrival.irradiance;
+  double window_error = 0;
   for (int i = 0; i < 24; ++i) {
     const dvec3 p_off = jitter(p, position_error, random);
     const Arrival moved = arrive(light, p_off, scene_radius);
@@ -77,12 +87,14 @@ ResponseBound bound_response(const SampleType& type, const float* vector, const 
     spread = glm::max(spread, glm::abs(off - base));
     wi_error = std::max(wi_error, glm::distance(moved.wi, arrival.wi));
     irradiance = std::max(irradiance, moved.irradiance);
+    window_error = std::max(window_error, range_error(light, arrival.distance, moved.distance));
   }
   const double relative =
       1e-5 + (type.width == 14 ? 3e-7 * v[13] : 0.0) + 4 * (irradiance / arrival.irradiance - 1);
   return {exact, relative * exact +
                      irradiance * (4.0 * spread +
-                                   (base + spread) * cone_error(light, arrival.wi, 4 * wi_error)) +
+                                   (base + spread) * (window_error + cone_error(light, arrival.wi,
+                                                                                4 * wi_error))) +
                      dvec3(1e-15 * irradiance)};
 }
 

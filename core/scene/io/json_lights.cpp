@@ -45,7 +45,7 @@ void read_direction(const JsonNode& node, const std::optional<SceneFrame>& frame
 
 Light read_light(const JsonNode& node, const std::optional<SceneFrame>& frame) {
   node.expect_keys({"name", "type", "position", "direction", "target", "inner_angle_deg",
-                    "outer_angle_deg", "falloff", "color", "gain", "gain_relative", "mute",
+                    "outer_angle_deg", "falloff", "range", "color", "gain", "gain_relative", "mute",
                     "casts_shadow"});
   Light light;
   node.read("name", light.name, max_name_length);
@@ -56,6 +56,7 @@ Light read_light(const JsonNode& node, const std::optional<SceneFrame>& frame) {
   light.inner_angle_deg = std::min(light.inner_angle_deg, light.outer_angle_deg);
   node.read("inner_angle_deg", light.inner_angle_deg, 0, 90);
   node.read("falloff", light.falloff);
+  node.read("range", light.range, 0, 1e15f);
   node.read("color", light.color, 0, max_gain);
   read_gain(node, frame, light);
   node.read("mute", light.mute);
@@ -76,6 +77,7 @@ std::string format_light(const Light& light) {
   out += fmt::format(" \"inner_angle_deg\": {}, \"outer_angle_deg\": {}, \"falloff\": {},",
                      json_number(light.inner_angle_deg), json_number(light.outer_angle_deg),
                      light.falloff);
+  if (light.range > 0) out += fmt::format(" \"range\": {},", json_number(light.range));
   out += fmt::format(" \"color\": {}, \"gain\": {}, \"mute\": {}, \"casts_shadow\": {}}}",
                      format_vector(light.color), json_number(light.gain), light.mute,
                      light.casts_shadow);
@@ -125,9 +127,8 @@ std::pair<Light, Light> read_representatives(const JsonNode& list, const SceneFr
   std::pair<Light, Light> pair{read_light(items[0], frame), read_light(items[1], frame)};
   if (!items[0].has("name")) pair.first.name = "low";
   if (!items[1].has("name")) pair.second.name = "high";
-  if (pair.first.type != pair.second.type || pair.first.falloff != pair.second.falloff ||
-      pair.first.casts_shadow != pair.second.casts_shadow) {
-    throw list.error("the two differ in type, falloff or casts_shadow",
+  if (!can_interpolate(pair.first, pair.second)) {
+    throw list.error("the two differ in type, falloff, casts_shadow or in having a range",
                      "give them the same: only numbers are interpolated");
   }
   return pair;
