@@ -39,6 +39,14 @@ size_t choose_step(const ErrorCurve& curve, float cost) {
   return best;
 }
 
+BudgetOutcome outcome_at(std::span<const ErrorCurve> curves, float cost) {
+  double value = 0;
+  for (const ErrorCurve& curve : curves) value += curve.value;
+  const Totals totals = totals_at(curves, cost);
+  return {curves.empty() ? 0 : totals.records / static_cast<double>(curves.size()),
+          value > 0 ? totals.error / value : 0};
+}
+
 float solve_record_cost(std::span<const ErrorCurve> curves, const RecordBudget& budget) {
   if (curves.empty()) return 0;
   float most = 0;

@@ -33,6 +33,13 @@ struct ErrorCurve {
 /// The index of the curve's entry with least error + cost * records; ties to fewer records.
 size_t choose_step(const ErrorCurve& curve, float cost);
 
+/// What pixels that each minimise error + cost * records come to.
+struct BudgetOutcome {
+  double average_records = 0;
+  double error = 0;  ///< mean over the pixels, as a fraction of their mean value
+};
+BudgetOutcome outcome_at(std::span<const ErrorCurve> curves, float cost);
+
 /// The error that a record must save to be worth its place, so that pixels that each minimise
 /// error + cost * records (choose_step) meet the budget together: Everett's Lagrangian allocation
 /// (1963), optimal over the convex hull of the curves. The curves are a fair sample of the

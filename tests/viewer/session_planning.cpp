@@ -34,7 +34,7 @@ struct HairView {
     return params;
   }
   float plan(const ReductionParams& params, const RecordBudget& budget) const {
-    return plan_record_cost(scene, view, params, {}, budget, {});
+    return plan_records(scene, view, params, {}, budget, {}).record_cost;
   }
 };
 

@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "viewer/commands/bench_relight.h"
 #include "viewer/commands/bench_time.h"
 #include "viewer/commands/process_memory.h"
+#include "viewer/session/repeated_frame.h"
 
 namespace relume {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "viewer/commands/bench_relight.h"
 #include "viewer/commands/bench_time.h"
 #include "viewer/commands/process_memory.h"
+#include "viewer/session/repeated_frame.h"
 
 namespace relume {
 namespace {

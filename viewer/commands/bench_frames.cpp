@@ -8,8 +8,8 @@
 #include "core/base/parallel.h"
 #include "core/relight/reference_relight.h"
 #include "core/relight/tile_shader.h"
-#include "viewer/commands/bench_relight.h"
 #include "viewer/commands/bench_time.h"
+#include "viewer/session/repeated_frame.h"
 
 namespace relume {
 namespace {

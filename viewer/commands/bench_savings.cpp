@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "viewer/commands/bench_cuts.h"
-#include "viewer/commands/bench_relight.h"
 #include "viewer/commands/bench_time.h"
+#include "viewer/session/repeated_frame.h"
 
 namespace relume {
 namespace {

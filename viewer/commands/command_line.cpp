@@ -27,6 +27,17 @@ CLI::Option* add_label(CLI::App& app, const std::string& name, E& value,
       ->default_str(std::string(label_of(labels, value)));
 }
 
+/// One that may be left out.
+template <class E, size_t N>
+CLI::Option* add_label(CLI::App& app, const std::string& name, std::optional<E>& value,
+                       const std::array<Label<E>, N>& labels, const std::string& help) {
+  const auto parse = [&value, &labels](const std::string& text) {
+    value = value_of(labels, text);
+    if (!value) throw CLI::ValidationError("'" + text + "' is not one of " + label_list(labels));
+  };
+  return app.add_option_function<std::string>(name, parse, help + ": " + label_list(labels));
+}
+
 /// An option that takes several of an enum's labels.
 template <class E, size_t N>
 void add_labels(CLI::App& app, const std::string& name, std::vector<E>& values,
@@ -73,7 +84,8 @@ void add_prepare(CLI::App& app, PrepareOptions& options) {
   app.add_flag("--predict-error", options.predict_error,
                "store a map of predicted error (light-fit and budgets always do)");
   add_label(app, "--format", options.format, cache_format_labels,
-            "how records are stored: 60, 20 or 16 bytes each");
+            "how records are stored: 60, 20 or 16 bytes each; default: exact, or chosen for "
+            "--target-error or a time");
   app.add_option("--training-lights", options.training_lights,
                  "random lights that light metrics are trained on (l)")
       ->check(CLI::Range(1, 4096))
@@ -149,7 +161,8 @@ void add_view(CLI::App& app, Parsed& p) {
   sub.add_option("input", p.view.input, "scene label, scene file or .relume cache")->required();
   sub.add_option("--offscreen", p.view.offscreen, "no display: draw with OSMesa into this folder");
   sub.add_option("--frame-ms", p.view.frame_ms,
-                 "slower frames are coarse first, a quarter of the pixels; 0 = never")
+                 "slower frames are coarse first, a quarter of the pixels; 0 = never; default 40. "
+                 "A scene also gets the records and the format whose shading fits")
       ->check(CLI::Range(0.0, 1e6));
   sub.add_flag("--keep-records", p.view.keep_records,
                "do not replace the picture at rest by all samples with traced shadows");
@@ -160,10 +173,17 @@ void add_view(CLI::App& app, Parsed& p) {
 
 void add_prepare_command(CLI::App& app, Parsed& p) {
   CLI::App& sub = add_command(app, p, "prepare", "Sample and reduce a scene into a .relume cache",
-                              "  relume prepare hair -o hair.relume --records 4",
+                              "  relume prepare hair -o hair.relume --records 4\n"
+                              "  relume prepare hair -o hair.relume --frame-ms 10\n"
+                              "  relume prepare hair -o hair.relume --target-error 0.02",
                               [&p] { return run_prepare(p.prepare, p.common); });
   sub.add_option("scene", p.prepare.scene, "scene label or file")->required();
   sub.add_option("-o,--output", p.prepare.output, "cache to write")->required();
+  sub.add_option("--frame-ms", p.prepare.prepare.frame_ms,
+                 "choose records and format so that moving one light takes so long at most")
+      ->check(CLI::Range(0.01, 1e6));
+  add_label(sub, "--shadow", p.prepare.prepare.frame_shadows, shadow_method_labels,
+            "shadow method that --frame-ms pays for");
   add_prepare(sub, p.prepare.prepare);
 }
 

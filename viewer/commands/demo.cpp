@@ -43,11 +43,9 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
   save_frame(state, display, folder / "frame.png");
   save_frame(state, display, folder / "before.png");
 
-  PrepareOptions all = options.prepare;
-  all.method = ReductionMethod::all;
-  const RelightCache samples =
-      prepare_in_memory(*input.scene, *input.tracer, make_prepare_params(all, common),
-                        make_terminal_progress(common.quiet));
+  const RelightCache samples = prepare_in_memory(
+      *input.scene, *input.tracer, make_prepare_params(all_samples(options.prepare), common),
+      make_terminal_progress(common.quiet));
   RelightState reference = make_relight_state(samples);
   const auto traced = make_shadow(ShadowMethod::ray, *input.tracer, samples);
   const RelightStats reference_stats = relight(reference, info.lights, traced.get());

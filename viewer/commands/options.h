@@ -33,7 +33,10 @@ struct PrepareOptions {
   RecordBudget budget;
   std::optional<int> members;  ///< positions kept of what a record stands for; default 0
   bool predict_error = false;
-  CacheFormat format = CacheFormat::exact;
+  /// Nothing: exact, or chosen for frame_ms or the budget's target error.
+  std::optional<CacheFormat> format;
+  float frame_ms = 0;  ///< > 0: records and format are chosen so that a move takes no longer
+  ShadowMethod frame_shadows = ShadowMethod::none;  ///< that this time pays for
   int training_lights = 200;
   bool train_shadows = false;
   ReductionPreset preset = ReductionPreset::standard;
@@ -52,8 +55,8 @@ struct ViewOptions {
   std::optional<std::filesystem::path> offscreen;
   std::optional<std::filesystem::path> script;
   ShadowMethod shadow = ShadowMethod::ray;
-  float frame_ms = 40;
-  bool keep_records = false;  ///< the picture at rest is not refined
+  std::optional<float> frame_ms;  ///< nothing: 40 ms, for scenes as they are prepared
+  bool keep_records = false;      ///< the picture at rest is not refined
   PrepareOptions prepare;
 };
 

@@ -8,6 +8,27 @@
 #include "viewer/commands/relight_input.h"
 
 namespace relume {
+namespace {
+
+/// What was planned for a goal, and, of a time, what came out.
+void add_plan(const std::optional<FramePlan>& plan, const PrepareParams& params,
+              const RelightInput& input, const RelightCache& cache, FigureRow& figures) {
+  if (!plan) return;
+  figures.push_back({"planned_average_records", plan->average_records});
+  figures.push_back({"planned_error", plan->error});
+  if (params.frame_ms > 0) {
+    const auto shadows = params.frame_shadows == ShadowMethod::none
+                             ? nullptr
+                             : make_shadow(params.frame_shadows, *input.tracer, cache);
+    figures.push_back({"planned_ms_move", plan->move_ms});
+    figures.push_back({"ms_move", measure_move_ms(cache, shadows.get())});
+  }
+  if (plan->is_met) return;
+  fmt::print(stderr, "relume: {}: nothing meets that goal; the cache is as near as it gets\n",
+             cache.info().scene_name);
+}
+
+}  // namespace
 
 int run_prepare(const PrepareCommandOptions& options, const CommonOptions& common) {
   const Timer timer;
@@ -21,26 +42,27 @@ int run_prepare(const PrepareCommandOptions& options, const CommonOptions& commo
   const RelightCache cache = RelightCache::open(options.output, shader_table());
   const CacheInfo& info = cache.info();
   const auto stored = static_cast<double>(cache.size_bytes());
-  print_figures("relume-prepare-1", common,
-                {{{"scene", info.scene_name},
-                  {"method", info.method},
-                  {"format", std::string(label_of(cache_format_labels, info.format))},
-                  {"records", int64_t{info.records}},
-                  {"spp", int64_t{info.spp}},
-                  {"width", int64_t{info.width}},
-                  {"height", int64_t{info.height}},
-                  {"ms_prepare", prepare_ms},
-                  {"ms_tracer", input.tracer->stats().build_ms},
-                  {"thread_ms_sample", stats.sample_ms},
-                  {"thread_ms_reduce", stats.reduce_ms},
-                  {"thread_ms_pack", stats.pack_ms},
-                  {"sample_count", static_cast<int64_t>(info.sample_count)},
-                  {"record_count", static_cast<int64_t>(info.record_count)},
-                  {"cache_bytes", static_cast<int64_t>(cache.size_bytes())},
-                  {"bytes_per_record",
-                   stored / static_cast<double>(std::max<uint64_t>(1, info.record_count))},
-                  {"peak_bytes", static_cast<int64_t>(peak_bytes)},
-                  {"peak_over_stored", static_cast<double>(peak_bytes) / stored}}});
+  FigureRow figures{
+      {"scene", info.scene_name},
+      {"method", info.method},
+      {"format", std::string(label_of(cache_format_labels, info.format))},
+      {"records", int64_t{info.records}},
+      {"spp", int64_t{info.spp}},
+      {"width", int64_t{info.width}},
+      {"height", int64_t{info.height}},
+      {"ms_prepare", prepare_ms},
+      {"ms_tracer", input.tracer->stats().build_ms},
+      {"thread_ms_sample", stats.sample_ms},
+      {"thread_ms_reduce", stats.reduce_ms},
+      {"thread_ms_pack", stats.pack_ms},
+      {"sample_count", static_cast<int64_t>(info.sample_count)},
+      {"record_count", static_cast<int64_t>(info.record_count)},
+      {"cache_bytes", static_cast<int64_t>(cache.size_bytes())},
+      {"bytes_per_record", stored / static_cast<double>(std::max<uint64_t>(1, info.record_count))},
+      {"peak_bytes", static_cast<int64_t>(peak_bytes)},
+      {"peak_over_stored", static_cast<double>(peak_bytes) / stored}};
+  add_plan(stats.plan, params, input, cache, figures);
+  print_figures("relume-prepare-1", common, {figures});
   return 0;
 }
 

@@ -53,10 +53,21 @@ PrepareOptions prepare_for(ShadowMethod shadow, PrepareOptions options) {
   return options;
 }
 
+PrepareOptions all_samples(PrepareOptions options) {
+  options.method = ReductionMethod::all;
+  options.budget = {};
+  options.frame_ms = 0;
+  options.predict_error = false;
+  options.preset = ReductionPreset::standard;
+  return options;
+}
+
 PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOptions& common) {
   PrepareParams params;
   params.spp = options.spp;
   params.format = options.format;
+  params.frame_ms = options.frame_ms;
+  params.frame_shadows = options.frame_shadows;
   params.width = options.width;
   params.height = options.height;
   params.training = {.lights = options.training_lights, .shadows = options.train_shadows};
@@ -76,9 +87,15 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
     throw Error(ErrorKind::usage,
                 "--average-records and --target-error exclude each other; give one of them");
   }
+  if (options.frame_ms > 0 && (options.budget.is_set() || options.records)) {
+    throw Error(ErrorKind::usage,
+                "--frame-ms chooses the records: give no --records, --average-records or "
+                "--target-error beside it");
+  }
+  const bool has_goal = options.frame_ms > 0 || options.budget.is_set();
   const bool is_reduced =
       options.method != ReductionMethod::all && options.method != ReductionMethod::pure;
-  if (!is_reduced && (options.budget.is_set() || options.predict_error)) {
+  if (!is_reduced && (has_goal || options.predict_error)) {
     throw Error(ErrorKind::usage,
                 fmt::format("--method {} does not reduce: it has no budget and predicts no error",
                             label_of(reduction_method_labels, options.method)));
@@ -86,7 +103,7 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
   params.budget = options.budget;
   params.reduction.predict_error = options.predict_error;
   params.reduction.stored_members = options.members.value_or(0);
-  params.reduction.records = options.records.value_or(options.budget.is_set() ? 16 : 8);
+  params.reduction.records = options.records.value_or(has_goal ? 16 : 8);
   params.reduction.seed = common.seed;
   params.training.seed = common.seed;
   return params;

@@ -28,6 +28,9 @@ RelightInput open_input(const std::string& input, const PrepareOptions& prepare,
 /// `options` with what `shadow` needs of a cache, where nothing else was asked for.
 PrepareOptions prepare_for(ShadowMethod shadow, PrepareOptions options);
 
+/// `options` but for every sample as a record of its own.
+PrepareOptions all_samples(PrepareOptions options);
+
 /// The same choices as the library's parameters.
 PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOptions& common);
 

@@ -13,8 +13,7 @@ Session start_session(RelightInput input, const PrepareOptions& prepare,
                       const CommonOptions& common) {
   std::optional<RelightCache> reference;
   if (input.tracer) {
-    PrepareOptions all = prepare;
-    all.method = ReductionMethod::all;
+    PrepareOptions all = all_samples(prepare);
     all.width = input.cache->info().width;
     all.height = input.cache->info().height;
     reference = prepare_in_memory(*input.scene, *input.tracer, make_prepare_params(all, common),
@@ -45,7 +44,7 @@ int open_window([[maybe_unused]] RelightInput input, [[maybe_unused]] const View
 #if defined(RELUME_HAS_VIEWER)
   Session session = start_session(std::move(input), options.prepare, common);
   session.view().shadows = options.shadow;
-  session.view().frame_ms = options.frame_ms;
+  session.view().frame_ms = options.frame_ms.value_or(session.view().frame_ms);
   session.view().refine = !options.keep_records;
   return run_window(session, {});
 #else
@@ -54,14 +53,16 @@ int open_window([[maybe_unused]] RelightInput input, [[maybe_unused]] const View
 }
 
 int run_view(const ViewOptions& options, const CommonOptions& common) {
-  RelightInput input =
-      open_input(options.input, prepare_for(options.shadow, options.prepare), true, common);
+  PrepareOptions prepare = prepare_for(options.shadow, options.prepare);
+  // Shadows have levels of their own to keep to the time.
+  if (!prepare.records && !prepare.budget.is_set()) prepare.frame_ms = options.frame_ms.value_or(0);
+  RelightInput input = open_input(options.input, prepare, true, common);
 #if defined(RELUME_HAS_VIEWER)
   if (options.offscreen) {
     const Script script = options.script ? load_script(*options.script) : default_script();
     Session session = start_session(std::move(input), options.prepare, common);
     session.view().shadows = options.shadow;
-    session.view().frame_ms = options.frame_ms;
+    session.view().frame_ms = options.frame_ms.value_or(session.view().frame_ms);
     return run_offscreen(session, script, *options.offscreen);
   }
   return open_window(std::move(input), options, common);

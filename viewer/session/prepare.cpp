@@ -40,7 +40,7 @@ PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& redu
 }
 
 CacheInfo make_info(const Scene& scene, const ViewSampler& view, const PrepareParams& params,
-                    const Bounds& bounds, uint64_t samples) {
+                    const Bounds& bounds) {
   CacheInfo info;
   info.width = view.width;
   info.height = view.height;
@@ -54,7 +54,6 @@ CacheInfo make_info(const Scene& scene, const ViewSampler& view, const PreparePa
   info.average_records = params.budget.average_records;
   info.target_error = params.budget.target_error;
   info.seed = params.reduction.seed;
-  info.sample_count = samples;
   info.scene_name = scene.name;
   info.scene_file = scene.file.string();
   info.scene_text = scene.text;
@@ -63,6 +62,16 @@ CacheInfo make_info(const Scene& scene, const ViewSampler& view, const PreparePa
   info.representative_high = scene.representative_high;
   info.exposure = scene.exposure;
   return info;
+}
+
+/// Not set where records and format are given.
+FrameGoal goal_of(const PrepareParams& params) {
+  FrameGoal goal;
+  goal.frame_ms = params.frame_ms;
+  goal.shadows = params.frame_shadows;
+  goal.format = params.format;
+  if (!params.format) goal.target_error = params.budget.target_error;
+  return goal;
 }
 
 void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
@@ -74,9 +83,18 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
       make_view_sampler(scene, tracer, params.width > 0 ? params.width : scene.width,
                         params.height > 0 ? params.height : scene.height,
                         pure ? reduction.records : params.spp, reduction.seed);
-  if (params.budget.is_set()) {
+  CacheInfo info = make_info(scene, view, params, tracer.bounds());
+  CacheFormat format = params.format.value_or(CacheFormat::exact);
+  if (const FrameGoal goal = goal_of(params); goal.is_set()) {
+    const FramePlan plan =
+        choose_plan(forecast_frames(scene, view, reduction, params.training, goal, callback), goal);
+    reduction.record_cost = plan.record_cost;
+    format = plan.format;
+    if (goal.frame_ms > 0) info.average_records = static_cast<float>(plan.average_records);
+    if (stats != nullptr) stats->plan = plan;
+  } else if (params.budget.is_set()) {
     reduction.record_cost =
-        plan_record_cost(scene, view, reduction, params.training, params.budget, callback);
+        plan_records(scene, view, reduction, params.training, params.budget, callback).record_cost;
   }
   const auto lights = make_method_lights(scene, view, reduction, params.training);
   const auto tiles = static_cast<size_t>(tile_count(view));
@@ -88,7 +106,7 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
     batch.assign(count, {});
     parallel_for(count, 1, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        batch[i] = prepare_tile(view, reduction, lights->lights(), {params.format, scene.camera},
+        batch[i] = prepare_tile(view, reduction, lights->lights(), {format, scene.camera},
                                 static_cast<int>(first + i), clock);
       }
     });
@@ -98,7 +116,8 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
     }
     progress.update(static_cast<double>(first + count), static_cast<double>(tiles));
   }
-  writer.finish(make_info(scene, view, params, tracer.bounds(), clock.samples));
+  info.sample_count = clock.samples;
+  writer.finish(info);
   if (stats == nullptr) return;
   stats->sample_ms = static_cast<double>(clock.sample_us) * 1e-3;
   stats->reduce_ms = static_cast<double>(clock.reduce_us) * 1e-3;

@@ -9,6 +9,7 @@
 #include "reduction/budget.h"
 #include "reduction/reduction.h"
 #include "reduction/training.h"
+#include "viewer/session/frame_planning.h"
 
 namespace relume {
 
@@ -18,9 +19,12 @@ struct PrepareParams {
   ReductionParams reduction;
   RecordBudget budget;      ///< when set, reduction.records is the most that a pixel may have
   TrainingParams training;  ///< used by methods that need it
-  CacheFormat format = CacheFormat::exact;
-  int width = 0;   ///< pixels; 0 = the scene's
-  int height = 0;  ///< pixels; 0 = the scene's
+  /// Nothing: chosen for frame_ms or a target error, else exact.
+  std::optional<CacheFormat> format;
+  float frame_ms = 0;  ///< > 0: records and format are chosen, `budget` is not set; see FrameGoal
+  ShadowMethod frame_shadows = ShadowMethod::none;  ///< FrameGoal::shadows
+  int width = 0;                                    ///< pixels; 0 = the scene's
+  int height = 0;                                   ///< pixels; 0 = the scene's
 };
 
 struct PrepareStats {
@@ -29,6 +33,7 @@ struct PrepareStats {
   double pack_ms = 0;
   uint64_t samples = 0;
   uint64_t records = 0;
+  std::optional<FramePlan> plan;  ///< where records and format were chosen
 };
 
 /// Prepares into memory.

@@ -29,9 +29,10 @@ constexpr int64_t batch_pixels = 1024;
 
 /// Error curves of `count` random pixels, one of each of `count` equal runs of the view's pixels,
 /// exact for any cost of a record that is not below `cost`. Pixels without samples have none.
+/// `covered_part` comes out as in RecordPlan.
 std::vector<ErrorCurve> sample_curves(const ViewSampler& view, const ReductionParams& reduction,
                                       const ReductionLights& lights, int64_t count, float cost,
-                                      Progress& progress) {
+                                      Progress& progress, double& covered_part) {
   const int64_t pixels = int64_t{view.width} * view.height;
   const int64_t runs = std::min(count, pixels);
   std::vector<ErrorCurve> curves(static_cast<size_t>(runs));
@@ -54,32 +55,36 @@ std::vector<ErrorCurve> sample_curves(const ViewSampler& view, const ReductionPa
     progress.update(static_cast<double>(begin + batch), static_cast<double>(runs));
   }
   std::erase_if(curves, [](const ErrorCurve& curve) { return curve.errors.empty(); });
+  covered_part = static_cast<double>(curves.size()) / static_cast<double>(runs);
   return curves;
 }
 
 }  // namespace
 
-float plan_record_cost(const Scene& scene, const ViewSampler& view,
-                       const ReductionParams& reduction, const TrainingParams& training,
-                       const RecordBudget& budget, const ProgressCallback& callback) {
+RecordPlan plan_records(const Scene& scene, const ViewSampler& view,
+                        const ReductionParams& reduction, const TrainingParams& training,
+                        const RecordBudget& budget, const ProgressCallback& callback) {
   CHECK(budget.is_set());
   ReductionParams params = reduction;
   params.predict_error = true;
   const auto lights = make_method_lights(scene, view, params, training);
   // A few whole curves tell the cost to a factor; then most pixels need only their curves' starts.
   Progress pilot(callback, "plan records of " + scene.name);
+  RecordPlan plan;
   float least_cost = solve_record_cost(
-      sample_curves(view, params, lights->lights(), pilot_pixels, 0, pilot), budget);
+      sample_curves(view, params, lights->lights(), pilot_pixels, 0, pilot, plan.covered_part),
+      budget);
   const int64_t count = std::clamp(int64_t{view.width} * view.height / planning_part,
                                    least_planning_pixels, most_planning_pixels);
-  float cost = 0;
   do {
     least_cost = least_cost > smallest_cost ? least_cost / pilot_margin : 0;
     Progress progress(callback, "plan records of " + scene.name);
-    cost = solve_record_cost(
-        sample_curves(view, params, lights->lights(), count, least_cost, progress), budget);
-  } while (cost < least_cost);
-  return std::max(cost, smallest_cost);
+    plan.curves = sample_curves(view, params, lights->lights(), count, least_cost, progress,
+                                plan.covered_part);
+    plan.record_cost = solve_record_cost(plan.curves, budget);
+  } while (plan.record_cost < least_cost);
+  plan.record_cost = std::max(plan.record_cost, smallest_cost);
+  return plan;
 }
 
 }  // namespace relume

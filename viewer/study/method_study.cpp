@@ -80,8 +80,9 @@ Runner make_runner(const Scene& scene, const Tracer& tracer, const MethodStudyPa
   runner.params.scene_radius = std::max(tracer.bounds().radius(), 1e-30f);
   if (!is_reduced(trial.method)) return runner;
   if (trial.budget.is_set()) {
-    runner.params.record_cost = plan_record_cost(scene, runner.view, runner.params, params.training,
-                                                 trial.budget, progress);
+    runner.params.record_cost =
+        plan_records(scene, runner.view, runner.params, params.training, trial.budget, progress)
+            .record_cost;
   }
   runner.lights = make_method_lights(scene, runner.view, runner.params, params.training);
   return runner;

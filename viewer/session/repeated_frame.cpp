@@ -1,4 +1,4 @@
-#include "viewer/commands/bench_relight.h"
+#include "viewer/session/repeated_frame.h"
 
 #include <algorithm>
 #include <cmath>
