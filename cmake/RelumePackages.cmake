@@ -24,6 +24,7 @@ relume_find(fmt libfmt-dev)
 relume_find(CLI11 libcli11-dev)
 relume_find(nlohmann_json nlohmann-json3-dev)
 relume_find(tinyobjloader libtinyobjloader-dev)
+relume_find_pkg(tinygltf tinygltf libtinygltf-dev)
 relume_find(OpenImageIO libopenimageio-dev)
 relume_find_pkg(xxhash libxxhash libxxhash-dev)
 

@@ -38,6 +38,7 @@ LIBRARIES = {
     r"OpenImageIO/": ["core/image/image_io.cpp"],
     r"(immintrin|x86intrin|arm_neon)\.h": ["core/simd/"],
     r"CLI/": ["viewer/commands/command_line.cpp"],
+    r"tiny_gltf\.h": ["core/scene/io/gltf_file.cpp"],
     r"tiny_obj_loader\.h": ["core/scene/io/obj.cpp"],
     r"nlohmann/": ["core/scene/io/json_", "viewer/commands/json_output.cpp", "tests/"],
     r"xxhash\.h": ["core/samples/cache_info.cpp"],

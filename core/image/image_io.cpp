@@ -38,6 +38,7 @@ std::string one_line(std::string text) {
 struct Source {
   std::filesystem::path path;
   std::string place;
+  std::span<const std::byte> bytes = {};  ///< the file's, where it lies in another one
 
   Error broken(std::string_view what, std::string_view mend) const {
     return input_error(place, what, mend);
@@ -53,6 +54,7 @@ Source own_source(const std::filesystem::path& path) {
 }
 
 struct OpenImage {
+  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;  ///< where Source::bytes are read
   std::unique_ptr<OIIO::ImageInput> input;
   OIIO::ImageSpec spec;
 };
@@ -77,9 +79,7 @@ void check_size(const Source& source, const OIIO::ImageSpec& spec) {
 
 /// libpng reports a file that ends early to stderr by itself, so the chunks of a PNG are walked
 /// first.
-void check_png_complete(const Source& source) {
-  const MappedFile file(source.path);
-  const std::span<const std::byte> bytes = file.bytes();
+void check_png_complete(const Source& source, std::span<const std::byte> bytes) {
   constexpr std::string_view signature = "\x89PNG\r\n\x1a\n";
   if (bytes.size() < signature.size() ||
       std::memcmp(bytes.data(), signature.data(), signature.size()) != 0) {
@@ -98,21 +98,32 @@ void check_png_complete(const Source& source) {
 
 /// Opens a file and checks its header; no pixel is read.
 OpenImage open_image(const Source& source) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(source.path, code)) {
-    throw source.broken("cannot open: there is no such file", "check the path");
+  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
+  if (source.bytes.empty()) {
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(source.path, code)) {
+      throw source.broken("cannot open: there is no such file", "check the path");
+    }
+    check_png_complete(source, MappedFile(source.path).bytes());
+  } else {
+    check_png_complete(source, source.bytes);
+    memory =
+        std::make_unique<OIIO::Filesystem::IOMemReader>(source.bytes.data(), source.bytes.size());
   }
-  check_png_complete(source);
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(source.path.string(), &config);
+  if (OIIO::Filesystem::IOProxy* proxy = memory.get()) {
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  }
+  std::unique_ptr<OIIO::ImageInput> input =
+      OIIO::ImageInput::open(source.path.string(), &config, memory.get());
   if (!input) throw source.unreadable(OIIO::geterror());
   const std::string_view format = input->format_name();
   if (std::find(known_formats.begin(), known_formats.end(), format) == known_formats.end()) {
     throw source.broken(fmt::format("the format '{}' is not supported", format),
                         "convert the image to EXR, PNG or JPEG");
   }
-  OpenImage image{std::move(input), {}};
+  OpenImage image{std::move(memory), std::move(input), {}};
   image.spec = image.input->spec();
   check_size(source, image.spec);
   return image;
@@ -372,16 +383,37 @@ std::vector<std::string> read_channel_names(const std::filesystem::path& path) {
   return open_image(own_source(path)).spec.channelnames;
 }
 
-int add_texture(Scene& scene, const std::filesystem::path& path, bool srgb,
-                const std::string& place) {
-  const std::string name = path.lexically_normal().generic_string();
+namespace {
+
+int find_texture(const Scene& scene, const std::string& name, bool srgb) {
   for (size_t i = 0; i < scene.textures.size(); ++i) {
     if (scene.textures[i].name == name && scene.textures[i].srgb == srgb) {
       return static_cast<int>(i);
     }
   }
+  return -1;
+}
+
+}  // namespace
+
+int add_texture(Scene& scene, const std::filesystem::path& path, bool srgb,
+                const std::string& place) {
+  const std::string name = path.lexically_normal().generic_string();
+  if (const int found = find_texture(scene, name, srgb); found >= 0) return found;
   const Source source{path, fmt::format("{}: image '{}'", place, name)};
   scene.textures.push_back(read_texture(source, srgb));
+  return static_cast<int>(scene.textures.size()) - 1;
+}
+
+int add_texture(Scene& scene, std::span<const std::byte> bytes, const std::string& name, bool srgb,
+                const std::string& place) {
+  if (const int found = find_texture(scene, name, srgb); found >= 0) return found;
+  const bool is_png = bytes.size() > 1 && bytes[1] == std::byte{'P'};
+  const Source source{is_png ? "image.png" : "image.jpg", place, bytes};
+  if (bytes.empty()) throw source.broken("the image is empty", "check the file");
+  Texture texture = read_texture(source, srgb);
+  texture.name = name;
+  scene.textures.push_back(std::move(texture));
   return static_cast<int>(scene.textures.size()) - 1;
 }
 

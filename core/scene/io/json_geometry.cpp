@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "core/scene/io/gltf.h"
 #include "core/scene/io/hair_file.h"
 #include "core/scene/io/obj.h"
 #include "core/scene/io/scatter.h"
@@ -82,8 +83,8 @@ class GeometryReader {
 
  private:
   struct Entry {
-    uint32_t prototype;
-    mat4x3 transform;  ///< the entry's own, applied before a placement's
+    std::vector<Instance> parts;  ///< most have one, in its own space
+    mat4x3 transform;  ///< the entry's own, applied after the parts', before a placement's
   };
 
   void read_file(const JsonNode& node, const JsonNode& file) {
@@ -94,9 +95,12 @@ class GeometryReader {
       prototype.shapes.emplace_back(read_obj(node, path));
     } else if (extension == ".hair") {
       prototype.shapes.emplace_back(read_hair(node, path));
+    } else if (is_gltf_path(path)) {
+      place_gltf(node, path);
+      return;
     } else {
       throw file.error(fmt::format("\"{}\" is no kind of geometry we read", extension),
-                       "give an .obj or a .hair file");
+                       "give an .obj, .gltf, .glb or .hair file");
     }
     place(node, std::move(prototype), path.stem().string());
   }
@@ -110,15 +114,45 @@ class GeometryReader {
     options.leaf_shader = find_shader(scene_, "leaf");
     node.read("smooth_angle_deg", options.smooth_angle_deg, 0, 180);
     node.read("leaf_transmission", options.leaf_transmission, 0, 1);
-    if (const auto leaves = node.find("leaf_materials")) {
-      for (const JsonNode& leaf : leaves->items(max_materials)) {
-        options.leaf_materials.push_back(leaf.text(max_name_length));
-      }
-    }
+    options.leaf_materials = read_names(node, "leaf_materials");
     if (const auto material = node.find("material")) {
       options.material_override = static_cast<int>(materials_.find(*material));
     }
     return load_obj(path, options, scene_);
+  }
+
+  void place_gltf(const JsonNode& node, const std::filesystem::path& path) {
+    node.expect_keys(
+        with_placement_keys({"file", "material", "leaf_materials", "leaf_transmission"}));
+    GltfOptions options;
+    options.phong_shader = find_shader(scene_, "phong");
+    options.leaf_shader = find_shader(scene_, "leaf");
+    node.read("leaf_transmission", options.leaf_transmission, 0, 1);
+    options.leaf_materials = read_names(node, "leaf_materials");
+    if (const auto material = node.find("material")) {
+      options.material_override = static_cast<int>(materials_.find(*material));
+    }
+    const size_t first = scene_.prototypes.size();
+    std::vector<Instance> parts = load_gltf(path, options, scene_);
+    const std::string name = entry_name(node, path.stem().string());
+    if (scene_.prototypes.size() == first + 1) {
+      scene_.prototypes[first].name = name;
+    } else {
+      for (size_t i = first; i < scene_.prototypes.size(); ++i) {
+        scene_.prototypes[i].name = name + "/" + scene_.prototypes[i].name;
+      }
+    }
+    place_parts(node, name, std::move(parts));
+  }
+
+  static std::vector<std::string> read_names(const JsonNode& node, std::string_view key) {
+    std::vector<std::string> names;
+    const auto list = node.find(key);
+    if (!list) return names;
+    for (const JsonNode& item : list->items(max_materials)) {
+      names.push_back(item.text(max_name_length));
+    }
+    return names;
   }
 
   Curves read_hair(const JsonNode& node, const std::filesystem::path& path) {
@@ -132,21 +166,31 @@ class GeometryReader {
 
   /// Adds a prototype under its name and, unless it is only a prototype, one instance of it.
   void place(const JsonNode& node, Prototype prototype, const std::string& fallback_name) {
-    prototype.name = unused_name(fallback_name);
-    if (const auto name = node.find("name")) {
-      prototype.name = name->text(max_name_length);
-      if (entries_.contains(prototype.name)) {
-        throw name->error(fmt::format("\"{}\" is taken by an earlier entry", prototype.name),
-                          "give each entry its own name");
-      }
+    prototype.name = entry_name(node, fallback_name);
+    const auto index = static_cast<uint32_t>(scene_.prototypes.size());
+    const std::string name = prototype.name;
+    scene_.prototypes.push_back(std::move(prototype));
+    place_parts(node, name, {{index, identity_transform()}});
+  }
+
+  std::string entry_name(const JsonNode& node, const std::string& fallback_name) const {
+    const auto given = node.find("name");
+    if (!given) return unused_name(fallback_name);
+    std::string name = given->text(max_name_length);
+    if (entries_.contains(name)) {
+      throw given->error(fmt::format("\"{}\" is taken by an earlier entry", name),
+                         "give each entry its own name");
     }
-    Entry entry{static_cast<uint32_t>(scene_.prototypes.size()), identity_transform()};
+    return name;
+  }
+
+  void place_parts(const JsonNode& node, const std::string& name, std::vector<Instance> parts) {
+    Entry entry{std::move(parts), identity_transform()};
     if (const auto transform = node.find("transform")) entry.transform = read_transform(*transform);
     bool only_prototype = false;
     node.read("prototype", only_prototype);
-    if (!only_prototype) scene_.instances.push_back({entry.prototype, entry.transform});
-    entries_.emplace(prototype.name, entry);
-    scene_.prototypes.push_back(std::move(prototype));
+    if (!only_prototype) add_instance(entry, identity_transform(), node);
+    entries_.emplace(name, std::move(entry));
   }
 
   std::string unused_name(const std::string& wish) const {
@@ -165,11 +209,15 @@ class GeometryReader {
   }
 
   void add_instance(const Entry& entry, const mat4x3& placement, const JsonNode& node) {
-    if (scene_.instances.size() >= max_instances) {
+    if (scene_.instances.size() + entry.parts.size() > max_instances) {
       throw limit_error(node.place(), "too many instances",
                         fmt::format("the limit is {}", max_instances));
     }
-    scene_.instances.push_back({entry.prototype, compose(placement, entry.transform)});
+    const mat4x3 world_from_entry = compose(placement, entry.transform);
+    for (const Instance& part : entry.parts) {
+      scene_.instances.push_back(
+          {part.prototype, compose(world_from_entry, part.world_from_local)});
+    }
   }
 
   void read_instances(const JsonNode& node, const JsonNode& source) {

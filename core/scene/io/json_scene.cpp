@@ -2,6 +2,7 @@
 
 #include "core/base/file.h"
 #include "core/scene/io/builtin_scenes.h"
+#include "core/scene/io/gltf.h"
 #include "core/scene/io/json_geometry.h"
 #include "core/scene/io/json_lights.h"
 #include "core/scene/io/json_materials.h"
@@ -25,7 +26,8 @@ Bounds focus_bounds(const JsonNode& root, const Scene& scene) {
     const std::string name = item.text(max_name_length);
     bool placed = false;
     for (const Instance& instance : scene.instances) {
-      if (scene.prototypes[instance.prototype].name != name) continue;
+      const std::string& prototype = scene.prototypes[instance.prototype].name;
+      if (prototype != name && !prototype.starts_with(name + "/")) continue;
       bounds.extend(transform_bounds(local[instance.prototype], instance.world_from_local));
       placed = true;
     }
@@ -174,6 +176,10 @@ Scene load_scene(const std::string& name_or_path, std::span<const ShaderInfo* co
     for (const std::string& name : builtin_scene_names()) names += ", " + name;
     throw input_error(name_or_path, "is neither a scene file nor a built-in scene",
                       "check the path, or name one of: " + names.substr(2));
+  }
+  if (is_gltf_path(file)) {
+    // The text names the file beside it, as any scene file would.
+    return parse_scene(gltf_scene_text(file), file, shaders, progress);
   }
   return parse_scene(read_text_file(file, max_scene_file_bytes), file, shaders, progress);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "core/scene/scene.h"
 
@@ -10,6 +11,10 @@ namespace relume {
 /// Error(input) when it is missing or corrupt (`place` names who refers to it) and Error(limit)
 /// above 16384 x 16384. Declared here, defined in core/image/image_io.cpp, the only OpenImageIO.
 int add_texture(Scene& scene, const std::filesystem::path& path, bool srgb,
+                const std::string& place);
+
+/// The same for the bytes of a PNG or JPEG file inside another file. `name` becomes the texture's.
+int add_texture(Scene& scene, std::span<const std::byte> bytes, const std::string& name, bool srgb,
                 const std::string& place);
 
 }  // namespace relume
