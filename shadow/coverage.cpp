@@ -30,7 +30,7 @@ CoverageVisibility::CoverageVisibility(const Tracer& tracer, const RelightCache&
       geometry_(make_thin_geometry(tracer.scene(), cache.info().height)),
       all_rays_(tracer),
       kernels_(coverage_kernels(choose_instruction_set(set))),
-      receivers_(learn_receivers(view_)),
+      receivers_(learn_receivers(view_, tracer, geometry_)),
       visibility_(view_.count(), 1.0f) {
   if (geometry_.solids.instances.empty()) return;
   // Where the scene was too large to flatten, so that memory does not grow with its instances.
@@ -138,14 +138,17 @@ void CoverageVisibility::collect() {
     }
   });
   parallel_for(view_.tile_count(), 16, [&](size_t begin, size_t end) {
-    for (size_t i = receivers_.tile_first[begin]; i < receivers_.tile_first[end];) {
-      const uint32_t receiver = receivers_.index[i];
+    const std::vector<ReceiverLink>& links = receivers_.links;
+    const size_t last = receivers_.tile_first_link[end];
+    for (size_t i = receivers_.tile_first_link[begin]; i < last;) {
+      const uint32_t receiver = links[i].receiver;
       float sum = 0;
       bool is_near = false;
-      for (; i < receivers_.tile_first[end] && receivers_.index[i] == receiver; ++i) {
-        is_near |= states_[i] == ReceiverState::near;
-        const float seen = states_[i] == ReceiverState::covered ? seen_[i] : 1.0f;
-        sum += receivers_.share[i] * seen;
+      for (; i < last && links[i].receiver == receiver; ++i) {
+        const ReceiverState state = states_[links[i].spot];
+        is_near |= state == ReceiverState::near;
+        if (state == ReceiverState::hidden) continue;
+        sum += links[i].share * (state == ReceiverState::covered ? seen_[links[i].spot] : 1.0f);
       }
       visibility_[receiver] = is_near ? undecided : std::min(sum, 1.0f);
     }

@@ -23,6 +23,10 @@ enum CoverageArray {
   array_l2,
   array_m0,       ///< 1 / l0
   array_m2,       ///< 1 / l2
+  array_piece,    ///< tag of the piece that the receiver lies on, or -1
+  array_own_u,    ///< a point of the receiver on that piece,
+  array_own_v,    ///< and,
+  array_own_z,    ///< moved towards the light, its depth
   array_visible,  ///< out: product over the pieces before the last
   array_front,    ///< covered by the last piece's parts that wind one way,
   array_back,     ///< and the other
@@ -30,12 +34,24 @@ enum CoverageArray {
 };
 inline constexpr int coverage_block_floats = coverage_arrays * coverage_lanes;
 
-/// Learned receivers to project into one view: arrays, gathered by `index`.
-struct CoverageReceivers {
-  const float* position[3];    ///< mean of the samples
-  const float* covariance[6];  ///< with the sampling cell
-  const float* bias;           ///< towards the light
-  const float* margin;         ///< 1 on surfaces: their own spread does not count; 0 on strands
+/// Pieces are told apart by a number that a float holds exactly. Pieces of a very large scene may
+/// share one: then a receiver's footprint counts as a point for one piece too many.
+inline float piece_tag(uint32_t piece) {
+  return static_cast<float>(piece & 0xffffffu);
+}
+
+/// A receiver of the rasteriser, in a space where all lie within the unit sphere.
+struct CoverageReceiver {
+  float position[3] = {};        ///< mean of the samples
+  float covariance[6] = {};      ///< xx, xy, xz, yy, yz, zz, with the sampling cell
+  float bias = 0;                ///< how far towards the light occluders do not count
+  float margin = 0;              ///< 1 on surfaces: their own spread does not count; 0 on strands
+  float piece = -1;              ///< tag of the piece that it lies on, or -1
+  float anchor[3] = {};          ///< a sample, which does lie on that piece
+  float anchor_bias = 0;         ///< how far towards the light that piece does not count
+  int16_t normal[3] = {};        ///< that light is judged by, times 32767; zero on strands
+  int16_t plane[3] = {};         ///< of the geometry, times 32767, within 90 degrees of `normal`
+  uint32_t lit_from_behind = 0;  ///< 0: light from behind `normal` does not count
 };
 
 /// A projective view from the light: (x, y, d) = rows * (p, 1), w = 1 + k d, then u = x / w,
@@ -61,6 +77,7 @@ struct CoveragePrimitive {
   float z[3];
   float opacity;   ///< of a triangle, (0, 1]; 0 = a segment: u[2] and v[2] are its half widths
   uint32_t piece;  ///< parts of one piece do not overlap
+  bool is_sheet;   ///< nor do those that wind one way and those that wind the other
 };
 
 /// Blocks and what may shade them.
@@ -79,7 +96,7 @@ inline constexpr float dark_visibility = 1.0f / 512;
 
 struct CoverageKernels {
   /// Fills one block, and its bounds, from receivers index[0, count), 1 to 16 of them.
-  void (*project)(const CoverageReceivers&, const CoverageView&, const uint32_t* index, int count,
+  void (*project)(const CoverageReceiver*, const CoverageView&, const uint32_t* index, int count,
                   float* block, const CoverageBounds& bounds);
   /// Multiplies the blocks' visibility by what the primitives leave; then front and back are used.
   void (*shade)(CoverageTask&);

@@ -32,21 +32,17 @@ inline F reciprocal(F x) {
 
 // ---- projection ----
 
+constexpr int gathered_values = 16;
+
 struct Gathered {
-  alignas(64) float value[11][lanes];  // position, covariance, bias, margin
+  alignas(64) float value[gathered_values][lanes];  // as CoverageReceiver begins
 };
 
-inline void gather(const CoverageReceivers& receivers, const uint32_t* index, int count,
+inline void gather(const CoverageReceiver* receivers, const uint32_t* index, int count,
                    Gathered& out) {
-  const float* sources[11];
-  for (int i = 0; i < 3; ++i) sources[i] = receivers.position[i];
-  for (int i = 0; i < 6; ++i) sources[3 + i] = receivers.covariance[i];
-  sources[9] = receivers.bias;
-  sources[10] = receivers.margin;
-  for (int i = 0; i < 11; ++i) {
-    for (int lane = 0; lane < lanes; ++lane) {
-      out.value[i][lane] = sources[i][index[lane < count ? lane : 0]];
-    }
+  for (int lane = 0; lane < lanes; ++lane) {
+    const float* row = receivers[index[lane < count ? lane : 0]].position;
+    for (int i = 0; i < gathered_values; ++i) out.value[i][lane] = row[i];
   }
 }
 
@@ -65,15 +61,16 @@ inline F product(const F* c, Vec a, Vec b) {
 /// One native vector of lanes, from lane `lane` on.
 inline void project_lanes(const Gathered& in, const CoverageView& view, int lane, float* block) {
   const auto load = [&](int i) { return F::load(&in.value[i][lane]); };
-  const auto row = [&](int i) {
+  const auto row = [&](int i, int first) {
     const float* r = view.row[i];
-    return fma(F(r[0]), load(0), fma(F(r[1]), load(1), fma(F(r[2]), load(2), F(r[3]))));
+    return fma(F(r[0]), load(first),
+               fma(F(r[1]), load(first + 1), fma(F(r[2]), load(first + 2), F(r[3]))));
   };
   F covariance[6];
   for (int i = 0; i < 6; ++i) covariance[i] = load(3 + i);
-  const F x = row(0);
-  const F y = row(1);
-  const F depth = row(2);
+  const F x = row(0, 0);
+  const F y = row(1, 0);
+  const F depth = row(2, 0);
   const F w = max(fma(F(view.k), depth, F(1)), F(1e-9f));
   const F inverse = reciprocal(w);
   const F u = x * inverse;
@@ -124,6 +121,12 @@ inline void project_lanes(const Gathered& in, const CoverageView& view, int lane
   store(array_l2, F(root_three) * l2);
   store(array_m0, reciprocal(F(root_three) * l0));
   store(array_m2, reciprocal(F(root_three) * l2));
+  store(array_piece, load(11));
+  const F own_depth = row(2, 12);
+  const F own_inverse = reciprocal(max(fma(F(view.k), own_depth, F(1)), F(1e-9f)));
+  store(array_own_u, row(0, 12) * own_inverse);
+  store(array_own_v, row(1, 12) * own_inverse);
+  store(array_own_z, fma(own_depth, own_inverse, F(0) - load(15) * inverse2 / along));
   store(array_front, F(0));
   store(array_back, F(0));
 }
@@ -149,7 +152,7 @@ inline void bound_block(const float* block, int count, const CoverageBounds& bou
   }
 }
 
-inline void project(const CoverageReceivers& receivers, const CoverageView& view,
+inline void project(const CoverageReceiver* receivers, const CoverageView& view,
                     const uint32_t* index, int count, float* block, const CoverageBounds& bounds) {
   Gathered gathered;
   gather(receivers, index, count, gathered);
@@ -171,9 +174,11 @@ struct Footprints {
   void store(int array, F value) const { value.store(block + array * lanes + lane); }
 };
 
-/// Finishes the piece: what its parts leave.
-inline void flush(const Footprints& receivers) {
-  const F covered = min(max(receivers.load(array_front), receivers.load(array_back)), F(1));
+/// Finishes the piece: what its parts leave. The walls of a tube are one behind the other.
+inline void flush(const Footprints& receivers, bool is_sheet) {
+  const F front = receivers.load(array_front);
+  const F back = receivers.load(array_back);
+  const F covered = min(is_sheet ? front + back : max(front, back), F(1));
   const F visible = receivers.load(array_visible);
   receivers.store(array_visible, visible - visible * covered);
   receivers.store(array_front, F(0));
@@ -249,6 +254,7 @@ inline void shade_segment(const Footprints& receivers, const Segment& s) {
 }
 
 struct Triangle {
+  float piece;
   float u[3], v[3];
   float z0, zu, zv;  // plane through the first corner
   float z_low, z_high;
@@ -272,6 +278,7 @@ inline bool make_triangle(const CoveragePrimitive& p, Triangle& t) {
   t.z_low = least(p.z[0], least(p.z[1], p.z[2]));
   t.z_high = most(p.z[0], most(p.z[1], p.z[2]));
   t.opacity = p.opacity;
+  t.piece = piece_tag(p.piece);
   for (int i = 0; i < 3; ++i) {
     t.u[i] = p.u[i];
     t.v[i] = p.v[i];
@@ -301,8 +308,32 @@ inline F edge_area(F x0, F y0, F xa, F x1, F y1, F xb) {
   return (xb - xa) * select(flat, level, sloped);
 }
 
+/// The part of each footprint that a triangle of the receiver's own piece covers: all or nothing,
+/// by a point that lies on the piece. A footprint is flat and a piece is not, it would shade
+/// itself.
+inline void shade_own(const Footprints& receivers, const Triangle& t, Mask<native_width> is_own) {
+  const F u = receivers.load(array_own_u);
+  const F v = receivers.load(array_own_v);
+  F least_turn(0);
+  F most_turn(0);
+  for (int i = 0; i < 3; ++i) {
+    const int j = i == 2 ? 0 : i + 1;
+    const F turn =
+        (F(t.u[j]) - F(t.u[i])) * (v - F(t.v[i])) - (F(t.v[j]) - F(t.v[i])) * (u - F(t.u[i]));
+    least_turn = i == 0 ? turn : min(least_turn, turn);
+    most_turn = i == 0 ? turn : max(most_turn, turn);
+  }
+  const F plane = fma(F(t.zu), u - F(t.u[0]), fma(F(t.zv), v - F(t.v[0]), F(t.z0)));
+  const F weight = select(plane < receivers.load(array_own_z), F(t.opacity), F(0));
+  const F own = select(is_own, weight, F(0));
+  receivers.store(array_front, receivers.load(array_front) + select(least_turn > F(0), own, F(0)));
+  receivers.store(array_back, receivers.load(array_back) + select(most_turn < F(0), own, F(0)));
+}
+
 /// Exact overlap of the triangle with each footprint's parallelogram.
 inline void shade_triangle(const Footprints& receivers, const Triangle& t) {
+  const auto is_own = absolute(receivers.load(array_piece) - F(t.piece)) < F(0.5f);
+  if (bits_of(is_own) != 0) shade_own(receivers, t, is_own);
   const F u0 = receivers.load(array_u);
   const F v0 = receivers.load(array_v);
   const F m0 = receivers.load(array_m0);
@@ -332,7 +363,7 @@ inline void shade_triangle(const Footprints& receivers, const Triangle& t) {
   const F plane =
       fma(F(t.zu), u0 + offset_u - F(t.u[0]), fma(F(t.zv), v0 + offset_v - F(t.v[0]), F(t.z0)));
   const F front = in_front(receivers, depth, clamp_to(plane, F(t.z_low), F(t.z_high)));
-  const F weight = front * F(0.25f * t.opacity);
+  const F weight = select(is_own, F(0), front * F(0.25f * t.opacity));
   receivers.store(array_front, fma(max(area, F(0)), weight, receivers.load(array_front)));
   receivers.store(array_back, fma(max(F(0) - area, F(0)), weight, receivers.load(array_back)));
 }
@@ -415,8 +446,8 @@ inline unsigned reached_blocks(const CoverageBounds& bounds, int first, const Bo
   return ~bits_of(apart > F(0)) & all;
 }
 
-inline void flush_block(float* block) {
-  for (int lane = 0; lane < lanes; lane += native_width) flush({block, lane});
+inline void flush_block(float* block, bool is_sheet) {
+  for (int lane = 0; lane < lanes; lane += native_width) flush({block, lane}, is_sheet);
 }
 
 inline bool is_dark(const float* block) {
@@ -436,7 +467,11 @@ inline constexpr int max_task_blocks = 64;
 
 inline void shade(CoverageTask& task) {
   uint32_t last_piece[max_task_blocks];
-  for (int b = 0; b < task.block_count; ++b) last_piece[b] = 0xffffffffu;
+  bool last_is_sheet[max_task_blocks];
+  for (int b = 0; b < task.block_count; ++b) {
+    last_piece[b] = 0xffffffffu;
+    last_is_sheet[b] = false;
+  }
   for (uint64_t i = 0; i < task.count; ++i) {
     const CoveragePrimitive& primitive = task.primitives[task.order[i]];
     const bool is_triangle = primitive.opacity > 0;
@@ -459,8 +494,9 @@ inline void shade(CoverageTask& task) {
         const int b = first + __builtin_ctz(reached);
         float* block = task.blocks + static_cast<int64_t>(b) * coverage_block_floats;
         if (last_piece[b] != primitive.piece) {
-          flush_block(block);
+          flush_block(block, last_is_sheet[b]);
           last_piece[b] = primitive.piece;
+          last_is_sheet[b] = primitive.is_sheet;
           if (is_dark(block)) {
             retire(task.bounds, b);
             continue;
@@ -478,7 +514,7 @@ inline void shade(CoverageTask& task) {
     }
   }
   for (int b = 0; b < task.block_count; ++b) {
-    flush_block(task.blocks + static_cast<int64_t>(b) * coverage_block_floats);
+    flush_block(task.blocks + static_cast<int64_t>(b) * coverage_block_floats, last_is_sheet[b]);
   }
 }
 

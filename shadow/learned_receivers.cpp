@@ -12,8 +12,21 @@ constexpr double least_view_cosine = 0.1;
 constexpr double surface_slack = 0.02;
 /// Radii of spots.
 constexpr double strand_spot_px = 0.5;
-constexpr double surface_spot_px = 1;
+constexpr double surface_spot_px = 1.5;
 constexpr float surface_margin = 1;
+/// A sample within so many pixels of a spot's plane, and this cosine of its normal, is on the same
+/// surface.
+constexpr double plane_distance_px = 0.05;
+constexpr double plane_cosine = 0.98;
+/// Least cosine between the normals of samples of a piece that are one spot.
+constexpr double piece_cosine = 0.9;
+/// How far from a sample its own surface is looked for.
+constexpr double search_px = 0.5;
+
+dvec3 normalize_or_zero(dvec3 v) {
+  const double length = glm::length(v);
+  return length > 0 ? v / length : dvec3(0);
+}
 
 /// The camera as far as cells need it.
 struct CellCamera {
@@ -61,209 +74,288 @@ struct CellCamera {
   }
 };
 
-/// Some of a receiver's samples, close to each other.
-struct Spot {
-  dvec3 anchor{0};  ///< the first one
-  dvec3 sum{0};     ///< of offsets from it
-  std::array<double, 6> squares{};
-  dvec3 normal{0};
-  int samples = 0;
-
-  void add(dvec3 position, dvec3 n) {
-    const dvec3 d = position - anchor;
-    sum += d;
-    const std::array<double, 6> products = {d.x * d.x, d.x * d.y, d.x * d.z,
-                                            d.y * d.y, d.y * d.z, d.z * d.z};
-    for (size_t i = 0; i < products.size(); ++i) squares[i] += products[i];
-    normal += n;
-    ++samples;
-  }
-};
-
-/// A spot as mean and covariance.
+/// Samples as mean and covariance.
 struct Extent {
-  dvec3 mean;
-  std::array<double, 6> covariance;
-  dvec3 normal;
-  double share;
+  dvec3 mean{0};
+  std::array<double, 6> covariance{};
+  dvec3 normal{0};  ///< zero on strands
+  double samples = 1;
 };
 
-Extent extent_of(const Spot& spot, int samples) {
-  const double inverse = 1.0 / spot.samples;
-  const dvec3 m = spot.sum * inverse;
-  const std::array<double, 6> products = {m.x * m.x, m.x * m.y, m.x * m.z,
-                                          m.y * m.y, m.y * m.z, m.z * m.z};
-  Extent extent{spot.anchor + m, {}, spot.normal, spot.samples / static_cast<double>(samples)};
-  for (size_t i = 0; i < products.size(); ++i) {
-    extent.covariance[i] = spot.squares[i] * inverse - products[i];
-  }
-  // Rounding must not leave negative variances.
-  for (const size_t i : {0, 3, 5}) extent.covariance[i] = std::max(extent.covariance[i], 0.0);
-  const double length = glm::length(extent.normal);
-  if (length > 0) extent.normal /= length;
-  return extent;
+std::array<double, 6> squares_of(dvec3 d) {
+  return {d.x * d.x, d.x * d.y, d.x * d.z, d.y * d.y, d.y * d.z, d.z * d.z};
 }
 
-/// Takes the receivers of a group apart.
-class SpotFinder {
- public:
-  explicit SpotFinder(const CellCamera& camera) : camera_(camera) {}
+/// Adds the samples of `b` to those of `a`.
+void merge(Extent& a, const Extent& b) {
+  const double samples = a.samples + b.samples;
+  const double part = b.samples / samples;
+  const dvec3 step = b.mean - a.mean;
+  const std::array<double, 6> between = squares_of(step);
+  for (size_t i = 0; i < between.size(); ++i) {
+    a.covariance[i] =
+        (1 - part) * a.covariance[i] + part * b.covariance[i] + part * (1 - part) * between[i];
+  }
+  a.mean += part * step;
+  a.normal = normalize_or_zero((1 - part) * a.normal + part * b.normal);
+  a.samples = samples;
+}
 
-  /// The spots of lane `lane`, whose stored members start at `members`.
-  const std::vector<Extent>& find(const ReceiverGroup& group, int lane, const Member* members) {
-    const Receivers& r = group.receivers;
-    const Footprint& footprint = group.footprints[lane];
-    const dvec3 anchor(r.position[0][lane], r.position[1][lane], r.position[2][lane]);
-    dvec3 normal(0);
-    if (r.normal[0] != nullptr) normal = {r.normal[0][lane], r.normal[1][lane], r.normal[2][lane]};
-    extents_.clear();
-    if (footprint.stored_members < 2) {
-      Extent& extent = extents_.emplace_back();
-      extent.mean = anchor + dvec3(footprint.offset);
-      for (size_t i = 0; i < 6; ++i) {
-        extent.covariance[i] = static_cast<double>(footprint.covariance[i]);
-      }
-      extent.normal = normal;
-      extent.share = 1;
-      return extents_;
+/// A spot of a pixel and the surface that it lies on.
+struct Spot {
+  Extent extent;
+  dvec3 anchor{0};         ///< its first sample
+  dvec3 anchor_normal{0};  ///< as the light judges it
+  dvec3 plane_normal{0};   ///< of the geometry, towards the eye; zero on strands
+  uint32_t piece = no_piece;
+  uint32_t receiver = 0;  ///< its first one
+  double bias = 0;
+  bool lit_from_behind = false;
+};
+
+/// Learns a tile.
+class TileLearner {
+ public:
+  TileLearner(const Tracer& tracer, const ThinGeometry& geometry, const CellCamera& camera,
+              LearnedReceivers& out)
+      : tracer_(tracer), geometry_(geometry), camera_(camera), out_(out) {}
+
+  void add(const ReceiverGroup& group) {
+    if (group.slot == 0) finish();
+    const Member* members = group.members.data();
+    for (int lane = 0; lane < group.receivers.count; ++lane) {
+      if (group.receivers.weight[lane] > 0) add(group, lane, members);
+      members += group.footprints[lane].stored_members;
     }
-    spots_.clear();
-    for (int m = 0; m < footprint.stored_members; ++m) {
-      add(anchor + dvec3(members[m].offset), dvec3(members[m].normal));
+  }
+
+  /// Writes out the spots of the last sixteen pixels; they can grow no more.
+  void finish() {
+    std::array<uint32_t, block_lanes> first{};
+    for (size_t lane = 0; lane < block_lanes; ++lane) {
+      first[lane] = static_cast<uint32_t>(out_.spots.size());
+      for (const Spot& spot : pixels_[lane]) write(spot);
+      pixels_[lane].clear();
     }
-    for (const Spot& spot : spots_) {
-      extents_.push_back(extent_of(spot, footprint.stored_members));
+    for (const Link& link : links_) {
+      out_.links.push_back({link.receiver, first[link.lane] + link.spot, link.share});
     }
-    return extents_;
+    links_.clear();
   }
 
  private:
-  void add(dvec3 position, dvec3 normal) {
-    const bool on_strand = normal == dvec3(0);
-    const double radius =
-        (on_strand ? strand_spot_px : surface_spot_px) * camera_.pixel_at(position);
-    for (Spot& spot : spots_) {
-      const dvec3 d = position - spot.anchor;
-      const double length = glm::length(spot.normal) * glm::length(normal);
-      if (glm::dot(d, d) < radius * radius && !(glm::dot(spot.normal, normal) < 0.5 * length)) {
-        spot.add(position, normal);
-        return;
+  struct Link {
+    uint32_t receiver;
+    uint32_t lane;
+    uint32_t spot;  ///< of its pixel
+    float share;
+  };
+
+  void add(const ReceiverGroup& group, int lane, const Member* members) {
+    const Receivers& r = group.receivers;
+    const Footprint& footprint = group.footprints[lane];
+    const bool on_surface = r.normal[0] != nullptr;
+    first_link_ = links_.size();
+    Spot spot;
+    spot.receiver = static_cast<uint32_t>(r.first) + static_cast<uint32_t>(lane);
+    spot.bias = static_cast<double>(r.bias[lane]);
+    spot.lit_from_behind = r.lit_from_behind;
+    const dvec3 anchor(r.position[0][lane], r.position[1][lane], r.position[2][lane]);
+    if (footprint.stored_members < 2) {
+      spot.anchor = anchor;
+      if (on_surface) {
+        spot.extent.normal = {r.normal[0][lane], r.normal[1][lane], r.normal[2][lane]};
       }
+      spot.extent.mean = anchor + dvec3(footprint.offset);
+      for (size_t i = 0; i < 6; ++i) {
+        spot.extent.covariance[i] = static_cast<double>(footprint.covariance[i]);
+      }
+      place(spot, on_surface, lane, 1);
+      return;
     }
-    spots_.emplace_back().anchor = position;
-    spots_.back().add(position, normal);
+    const float share = 1 / static_cast<float>(footprint.stored_members);
+    for (int m = 0; m < footprint.stored_members; ++m) {
+      spot.anchor = anchor + dvec3(members[m].offset);
+      spot.extent.mean = spot.anchor;
+      spot.extent.normal = dvec3(members[m].normal);
+      place(spot, on_surface, lane, share);
+    }
   }
 
+  /// Adds `spot` to one of its pixel's or as a new one.
+  void place(Spot& spot, bool on_surface, int lane, float share) {
+    std::vector<Spot>& spots = pixels_[static_cast<size_t>(lane)];
+    spot.anchor_normal = spot.extent.normal;
+    spot.plane_normal = spot.extent.normal;
+    spot.piece = no_piece;
+    const double pixel = camera_.pixel_at(spot.anchor);
+    uint32_t i = 0;
+    while (i < spots.size() && !(on_surface ? is_in_plane(spots[i], spot, pixel)
+                                            : is_on_strand(spots[i], spot, pixel))) {
+      ++i;
+    }
+    if (on_surface && i == spots.size()) {
+      find_surface(spot, pixel);
+      i = 0;
+      while (i < spots.size() && !is_on_piece(spots[i], spot, pixel)) ++i;
+    }
+    if (i == spots.size()) {
+      spots.push_back(spot);
+    } else {
+      merge(spots[i].extent, spot.extent);
+      spots[i].bias = std::max(spots[i].bias, spot.bias);
+    }
+    for (size_t l = first_link_; l < links_.size(); ++l) {
+      if (links_[l].spot != i) continue;
+      links_[l].share += share;
+      return;
+    }
+    links_.push_back({spot.receiver, static_cast<uint32_t>(lane), i, share});
+  }
+
+  static bool is_on_strand(const Spot& spot, const Spot& sample, double pixel) {
+    return spot.receiver == sample.receiver &&
+           glm::distance(spot.anchor, sample.anchor) < strand_spot_px * pixel;
+  }
+
+  /// So near the spot's plane that it can only be the same surface.
+  static bool is_in_plane(const Spot& spot, const Spot& sample, double pixel) {
+    const dvec3 step = sample.anchor - spot.anchor;
+    return glm::dot(spot.anchor_normal, sample.anchor_normal) > plane_cosine &&
+           std::abs(glm::dot(step, spot.plane_normal)) < plane_distance_px * pixel &&
+           glm::dot(step, step) < surface_spot_px * surface_spot_px * pixel * pixel;
+  }
+
+  static bool is_on_piece(const Spot& spot, const Spot& sample, double pixel) {
+    const dvec3 step = sample.anchor - spot.anchor;
+    return spot.piece != no_piece && spot.piece == sample.piece &&
+           glm::dot(spot.anchor_normal, sample.anchor_normal) > piece_cosine &&
+           glm::dot(step, step) < surface_spot_px * surface_spot_px * pixel * pixel;
+  }
+
+  /// Looks for the surface along the line of sight.
+  void find_surface(Spot& spot, double pixel) const {
+    const dvec3 offset = spot.anchor - camera_.eye;
+    const double distance = glm::length(offset);
+    const double reach = search_px * pixel;
+    if (!(distance > reach)) return;
+    const dvec3 sight = offset / distance;
+    const std::optional<SurfacePoint> point = tracer_.intersect(
+        {vec3(spot.anchor - reach * sight), 0, vec3(sight), static_cast<float>(2 * reach)});
+    if (!point || point->geometric_normal == vec3(0)) return;
+    spot.plane_normal = dvec3(point->geometric_normal);
+    spot.piece = geometry_.piece_at(tracer_.scene(), *point);
+  }
+
+  void write(const Spot& spot) {
+    const bool on_surface = spot.plane_normal != dvec3(0);
+    std::array<double, 6> covariance = spot.extent.covariance;
+    // Rounding must not leave negative variances.
+    for (const size_t i : {0, 3, 5}) covariance[i] = std::max(covariance[i], 0.0);
+    camera_.add_cell(spot.extent.mean, spot.plane_normal, covariance);
+    const double inverse = 1 / out_.scale;
+    const dvec3 p = (spot.extent.mean - out_.center) * inverse;
+    const dvec3 anchor = (spot.anchor - out_.center) * inverse;
+    CoverageReceiver& learned = out_.spots.emplace_back();
+    for (size_t axis = 0; axis < 3; ++axis) {
+      learned.position[axis] = static_cast<float>(p[axis]);
+      learned.anchor[axis] = static_cast<float>(anchor[axis]);
+      learned.normal[axis] = static_cast<int16_t>(std::lround(32767 * spot.anchor_normal[axis]));
+      learned.plane[axis] = static_cast<int16_t>(std::lround(32767 * spot.plane_normal[axis]));
+    }
+    for (size_t i = 0; i < 6; ++i) {
+      learned.covariance[i] = static_cast<float>(covariance[i] * inverse * inverse);
+    }
+    const double size = std::sqrt(covariance[0] + covariance[3] + covariance[5]);
+    learned.bias = static_cast<float>(
+        (on_surface ? 4 * spot.bias + surface_slack * size : spot.bias) * inverse);
+    learned.anchor_bias = static_cast<float>(4 * spot.bias * inverse);
+    learned.margin = on_surface ? surface_margin : 0.0f;
+    learned.piece = spot.piece != no_piece ? piece_tag(spot.piece) : -1.0f;
+    learned.lit_from_behind = spot.lit_from_behind ? 1 : 0;
+  }
+
+  const Tracer& tracer_;
+  const ThinGeometry& geometry_;
   const CellCamera& camera_;
-  std::vector<Spot> spots_;
-  std::vector<Extent> extents_;
+  LearnedReceivers& out_;
+  std::array<std::vector<Spot>, block_lanes> pixels_;
+  std::vector<Link> links_;
+  size_t first_link_ = 0;  ///< of the receiver that is being added
 };
 
-/// Calls visit(group, lane, extent) for each spot of a tile.
-template <class Visit>
-void for_each_spot(const ViewReceivers& view, size_t tile, SpotFinder& finder, const Visit& visit) {
-  view.visit_tile(tile, [&](const ReceiverGroup& group) {
-    const Member* members = group.members.data();
-    for (int lane = 0; lane < group.receivers.count; ++lane) {
-      if (group.receivers.weight[lane] > 0) {
-        for (const Extent& extent : finder.find(group, lane, members)) visit(group, lane, extent);
-      }
-      members += group.footprints[lane].stored_members;
+/// Bounds of the receivers' means, tile by tile and all together.
+Bounds find_bounds(const ViewReceivers& view) {
+  std::vector<Bounds> boxes(view.tile_count());
+  parallel_for(boxes.size(), 4, [&](size_t begin, size_t end) {
+    for (size_t tile = begin; tile < end; ++tile) {
+      view.visit_tile(tile, [&](const ReceiverGroup& group) {
+        const Receivers& r = group.receivers;
+        for (int i = 0; i < r.count; ++i) {
+          if (!(r.weight[i] > 0)) continue;
+          boxes[tile].extend(vec3(r.position[0][i], r.position[1][i], r.position[2][i]) +
+                             group.footprints[i].offset);
+        }
+      });
     }
   });
+  Bounds all;
+  for (const Bounds& box : boxes) all.extend(box);
+  return all;
 }
 
-/// What a tile holds, before there is room for it.
-struct TileCount {
+/// Moves the tiles' parts to one.
+void join(const std::vector<LearnedReceivers>& tiles, LearnedReceivers& learned) {
+  std::vector<size_t> first_spot;
   size_t spots = 0;
-  dvec3 low{std::numeric_limits<double>::infinity()};
-  dvec3 high{-std::numeric_limits<double>::infinity()};
-};
-
-TileCount count_tile(const ViewReceivers& view, size_t tile, SpotFinder& finder) {
-  TileCount count;
-  for_each_spot(view, tile, finder, [&](const ReceiverGroup&, int, const Extent& extent) {
-    count.low = glm::min(count.low, extent.mean);
-    count.high = glm::max(count.high, extent.mean);
-    ++count.spots;
+  size_t links = 0;
+  for (const LearnedReceivers& tile : tiles) {
+    first_spot.push_back(spots);
+    learned.tile_first_link.push_back(links);
+    spots += tile.spots.size();
+    links += tile.links.size();
+  }
+  learned.tile_first_link.push_back(links);
+  CHECK_MSG(spots < uint64_t{1} << 32, "{} spots", spots);
+  learned.spots.resize(spots);
+  learned.links.resize(links);
+  parallel_for(tiles.size(), 16, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      std::copy(tiles[t].spots.begin(), tiles[t].spots.end(), &learned.spots[first_spot[t]]);
+      ReceiverLink* out = &learned.links[learned.tile_first_link[t]];
+      for (ReceiverLink link : tiles[t].links) {
+        link.spot += static_cast<uint32_t>(first_spot[t]);
+        *out++ = link;
+      }
+    }
   });
-  return count;
-}
-
-void learn_spot(const ReceiverGroup& group, int lane, const Extent& extent,
-                const CellCamera& camera, size_t out, LearnedReceivers& learned) {
-  const Receivers& receivers = group.receivers;
-  const bool on_surface = receivers.normal[0] != nullptr;
-  std::array<double, 6> covariance = extent.covariance;
-  camera.add_cell(extent.mean, extent.normal, covariance);
-  const double inverse = 1 / learned.scale;
-  const dvec3 p = (extent.mean - learned.center) * inverse;
-  for (size_t axis = 0; axis < 3; ++axis) {
-    learned.position[axis][out] = static_cast<float>(p[axis]);
-    learned.normal[axis][out] = static_cast<float>(extent.normal[axis]);
-  }
-  for (size_t i = 0; i < 6; ++i) {
-    learned.covariance[i][out] = static_cast<float>(covariance[i] * inverse * inverse);
-  }
-  const double size = std::sqrt(covariance[0] + covariance[3] + covariance[5]);
-  const auto bias = static_cast<double>(receivers.bias[lane]);
-  learned.bias[out] =
-      static_cast<float>((on_surface ? 4 * bias + surface_slack * size : bias) * inverse);
-  learned.margin[out] = on_surface ? surface_margin : 0.0f;
-  learned.one_sided[out] = on_surface && !receivers.lit_from_behind ? 1 : 0;
-  learned.share[out] = static_cast<float>(extent.share);
-  learned.index[out] = static_cast<uint32_t>(receivers.first) + static_cast<uint32_t>(lane);
-}
-
-void make_room(LearnedReceivers& learned, size_t count) {
-  for (auto& array : learned.position) array.resize(count);
-  for (auto& array : learned.normal) array.resize(count);
-  for (auto& array : learned.covariance) array.resize(count);
-  learned.bias.resize(count);
-  learned.margin.resize(count);
-  learned.one_sided.resize(count);
-  learned.share.resize(count);
-  learned.index.resize(count);
 }
 
 }  // namespace
 
-LearnedReceivers learn_receivers(const ViewReceivers& view) {
+LearnedReceivers learn_receivers(const ViewReceivers& view, const Tracer& tracer,
+                                 const ThinGeometry& geometry) {
   CHECK_MSG(view.count() < uint64_t{1} << 32, "{} receivers", view.count());
-  const size_t tiles = view.tile_count();
-  const CellCamera camera(view.info());
-  std::vector<TileCount> counts(tiles);
-  parallel_for(tiles, 4, [&](size_t begin, size_t end) {
-    SpotFinder finder(camera);
-    for (size_t t = begin; t < end; ++t) counts[t] = count_tile(view, t, finder);
-  });
   LearnedReceivers learned;
-  TileCount all;
-  for (const TileCount& count : counts) {
-    learned.tile_first.push_back(all.spots);
-    all.spots += count.spots;
-    all.low = glm::min(all.low, count.low);
-    all.high = glm::max(all.high, count.high);
-  }
-  learned.tile_first.push_back(all.spots);
-  if (all.spots > 0) {
-    learned.center = 0.5 * (all.low + all.high);
-    const double radius = 0.5 * glm::length(all.high - all.low);
+  const Bounds bounds = find_bounds(view);
+  if (!bounds.empty()) {
+    learned.center = dvec3(bounds.center());
     // A single point: any length near its own.
     const double least = 1e-6 * std::max(glm::length(learned.center), 1e-20);
-    learned.scale = std::max(radius, least);
+    learned.scale = std::max(static_cast<double>(bounds.radius()), least);
   }
-  make_room(learned, all.spots);
-  parallel_for(tiles, 4, [&](size_t begin, size_t end) {
-    SpotFinder finder(camera);
+  const CellCamera camera(view.info());
+  std::vector<LearnedReceivers> tiles(view.tile_count());
+  parallel_for(tiles.size(), 4, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
-      size_t out = learned.tile_first[t];
-      for_each_spot(view, t, finder,
-                    [&](const ReceiverGroup& group, int lane, const Extent& extent) {
-                      learn_spot(group, lane, extent, camera, out++, learned);
-                    });
+      tiles[t].center = learned.center;
+      tiles[t].scale = learned.scale;
+      TileLearner learner(tracer, geometry, camera, tiles[t]);
+      view.visit_tile(t, [&](const ReceiverGroup& group) { learner.add(group); });
+      learner.finish();
     }
   });
+  join(tiles, learned);
   return learned;
 }
 

@@ -43,12 +43,19 @@ void extend(ReceiverTree::View& view, float u, float v, float w) {
   view.w_low = std::min(view.w_low, w);
 }
 
-float footprint_size(const LearnedReceivers& r, size_t i) {
-  return std::sqrt(3 * (r.covariance[0][i] + r.covariance[3][i] + r.covariance[5][i]));
+float footprint_size(const CoverageReceiver& receiver) {
+  const float* c = receiver.covariance;
+  return std::sqrt(3 * (c[0] + c[3] + c[5]));
+}
+
+/// Cosine, times 32767, between a stored normal and a direction.
+double cosine_to(const int16_t (&normal)[3], dvec3 direction) {
+  return normal[0] * direction.x + normal[1] * direction.y + normal[2] * direction.z;
 }
 
 ReceiverState find_state(const LearnedReceivers& receivers, const LightViews& lights, size_t i) {
-  const dvec3 p(receivers.position[0][i], receivers.position[1][i], receivers.position[2][i]);
+  const CoverageReceiver& receiver = receivers.spots[i];
+  const dvec3 p(receiver.position[0], receiver.position[1], receiver.position[2]);
   dvec3 wi = lights.to_light;
   double distance = std::numeric_limits<double>::infinity();
   if (!lights.is_parallel) {
@@ -58,22 +65,26 @@ ReceiverState find_state(const LearnedReceivers& receivers, const LightViews& li
     wi = offset / distance;
     if (glm::dot(wi, lights.to_light) < lights.cos_outer) return ReceiverState::unlit;
   }
-  if (receivers.one_sided[i] != 0) {
-    const dvec3 n(receivers.normal[0][i], receivers.normal[1][i], receivers.normal[2][i]);
-    if (glm::dot(n, wi) <= 0) return ReceiverState::unlit;
+  const double facing = cosine_to(receiver.normal, wi);
+  const double plane = cosine_to(receiver.plane, wi);
+  if (receiver.lit_from_behind == 0 && receiver.margin > 0 && facing <= 0) {
+    return ReceiverState::unlit;
   }
-  const bool is_near = static_cast<double>(footprint_size(receivers, i)) >
+  // Its own surface hides it, as it does from a ray that starts on the side of `normal`.
+  if ((facing > 0) != (plane > 0)) return ReceiverState::hidden;
+  const bool is_near = static_cast<double>(footprint_size(receiver)) >
                        static_cast<double>(near_footprint) * distance;
   return is_near ? ReceiverState::near : ReceiverState::covered;
 }
 
 Placed place(const LearnedReceivers& receivers, const LightViews& lights, size_t i,
              ChunkSums& sums) {
-  const vec3 p(receivers.position[0][i], receivers.position[1][i], receivers.position[2][i]);
+  const CoverageReceiver& receiver = receivers.spots[i];
+  const vec3 p(receiver.position[0], receiver.position[1], receiver.position[2]);
   const size_t view = lights.view_of(p);
   const ViewPoint at = view_point(lights.views[view], p);
   const float inverse = 1 / std::max(at.w, 1e-9f);
-  const Placed placed{at.x * inverse, at.y * inverse, footprint_size(receivers, i) * inverse,
+  const Placed placed{at.x * inverse, at.y * inverse, footprint_size(receiver) * inverse,
                       static_cast<uint8_t>(view)};
   extend(sums.views[view], placed.u, placed.v, at.w);
   sums.size[view] += static_cast<double>(placed.size);
@@ -188,13 +199,6 @@ void build_nodes(ReceiverTree& tree) {
 
 void project_leaf(const LearnedReceivers& receivers, const LightViews& lights,
                   const CoverageKernels& kernels, ReceiverTree& tree, const ReceiverLeaf& leaf) {
-  const CoverageReceivers arrays{
-      {receivers.position[0].data(), receivers.position[1].data(), receivers.position[2].data()},
-      {receivers.covariance[0].data(), receivers.covariance[1].data(),
-       receivers.covariance[2].data(), receivers.covariance[3].data(),
-       receivers.covariance[4].data(), receivers.covariance[5].data()},
-      receivers.bias.data(),
-      receivers.margin.data()};
   const uint32_t view = tree.items[leaf.first_item].key >> key_bits;
   uint32_t index[coverage_lanes];
   for (uint32_t b = 0; b < leaf.block_count; ++b) {
@@ -203,7 +207,7 @@ void project_leaf(const LearnedReceivers& receivers, const LightViews& lights,
         std::min<uint32_t>(coverage_lanes, leaf.first_item + leaf.item_count - first));
     for (int lane = 0; lane < count; ++lane) index[lane] = tree.items[first + lane].index;
     const uint32_t block = leaf.first_block + b;
-    kernels.project(arrays, lights.views[view], index, count,
+    kernels.project(receivers.spots.data(), lights.views[view], index, count,
                     &tree.blocks[size_t{block} * coverage_block_floats], tree.bounds_of(block));
   }
 }

@@ -42,14 +42,21 @@ struct PositionHash {
   }
 };
 
-/// Per triangle: the number of the piece it belongs to. Vertices at one position are one.
-std::vector<uint32_t> find_pieces(const Mesh& mesh, uint32_t& count) {
-  Components components(mesh.positions.size());
+/// Per vertex: the first one at its position.
+std::vector<uint32_t> weld(const Mesh& mesh) {
   std::unordered_map<vec3, uint32_t, PositionHash> at;
+  std::vector<uint32_t> first;
   for (uint32_t i = 0; i < mesh.positions.size(); ++i) {
-    const auto [place, is_new] = at.emplace(mesh.positions[i], i);
-    if (!is_new) components.join(place->second, i);
+    first.push_back(at.emplace(mesh.positions[i], i).first->second);
   }
+  return first;
+}
+
+/// Per triangle: the number of the piece it belongs to. Vertices at one position are one.
+std::vector<uint32_t> find_pieces(const Mesh& mesh, const std::vector<uint32_t>& welded,
+                                  uint32_t& count) {
+  Components components(mesh.positions.size());
+  for (uint32_t i = 0; i < mesh.positions.size(); ++i) components.join(welded[i], i);
   for (const uvec3& t : mesh.triangles) {
     components.join(t.x, t.y);
     components.join(t.y, t.z);
@@ -82,6 +89,38 @@ std::vector<double> piece_widths(const Mesh& mesh, const std::vector<uint32_t>& 
     area[i] = diameter > 0 ? area[i] / diameter : 0;
   }
   return area;
+}
+
+/// Per piece: whether it is a sheet: the square of its border's length is above 8 times its area.
+/// A disc has 4 pi, a longer leaf more; a tube, whose border are its ends, has at most 4 unless it
+/// is wider than long, a closed piece 0.
+std::vector<bool> find_sheets(const Mesh& mesh, const std::vector<uint32_t>& welded,
+                              const std::vector<uint32_t>& piece_of, uint32_t count) {
+  std::unordered_map<uint64_t, int> uses;
+  const auto edge_of = [&](uvec3 t, int i) {
+    const uint64_t a = welded[t[i]];
+    const uint64_t b = welded[t[(i + 1) % 3]];
+    return std::min(a, b) << 32 | std::max(a, b);
+  };
+  for (const uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) ++uses[edge_of(t, i)];
+  }
+  std::vector<double> border(count, 0.0);
+  std::vector<double> area(count, 0.0);
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const uvec3 t = mesh.triangles[i];
+    const dvec3 corner[3] = {dvec3(mesh.positions[t.x]), dvec3(mesh.positions[t.y]),
+                             dvec3(mesh.positions[t.z])};
+    area[piece_of[i]] +=
+        0.5 * glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
+    for (int e = 0; e < 3; ++e) {
+      if (uses[edge_of(t, e)] > 1) continue;
+      border[piece_of[i]] += glm::distance(corner[e], corner[(e + 1) % 3]);
+    }
+  }
+  std::vector<bool> sheets;
+  for (uint32_t i = 0; i < count; ++i) sheets.push_back(border[i] * border[i] > 8 * area[i]);
+  return sheets;
 }
 
 /// The part of a triangle that its material's mask leaves.
@@ -159,7 +198,8 @@ ThinShape make_leaves(const Scene& scene, const Mesh& mesh, double max_width,
                       std::vector<bool>& is_solid) {
   ThinShape shape;
   uint32_t count = 0;
-  const std::vector<uint32_t> piece_of = find_pieces(mesh, count);
+  const std::vector<uint32_t> welded = weld(mesh);
+  const std::vector<uint32_t> piece_of = find_pieces(mesh, welded, count);
   const std::vector<double> widths = piece_widths(mesh, piece_of, count);
   std::vector<std::vector<uint32_t>> members(count);
   is_solid.assign(mesh.triangles.size(), false);
@@ -170,7 +210,10 @@ ThinShape make_leaves(const Scene& scene, const Mesh& mesh, double max_width,
     members[piece_of[i]].push_back(i);
     has_masks |= scene.materials[mesh.materials[i]].alpha_texture >= 0;
   }
-  for (const std::vector<uint32_t>& triangles : members) {
+  shape.piece_of.assign(mesh.triangles.size(), no_piece);
+  const std::vector<bool> sheets = find_sheets(mesh, welded, piece_of, count);
+  for (uint32_t p = 0; p < count; ++p) {
+    const std::vector<uint32_t>& triangles = members[p];
     if (triangles.empty()) continue;
     ThinPiece piece{static_cast<uint32_t>(shape.vertices.size()), 0,
                     static_cast<uint32_t>(shape.triangles.size()), 0};
@@ -186,11 +229,13 @@ ThinShape make_leaves(const Scene& scene, const Mesh& mesh, double max_width,
         if (is_new) shape.vertices.emplace_back(mesh.positions[vertex], 0.0f);
         corners[c] = place->second;
       }
+      shape.piece_of[triangle] = static_cast<uint32_t>(shape.pieces.size());
       shape.triangles.push_back(corners);
       if (has_masks) shape.opacity.push_back(opacity);
     }
     piece.vertex_count = static_cast<uint32_t>(shape.vertices.size()) - piece.first_vertex;
     piece.triangle_count = static_cast<uint32_t>(shape.triangles.size()) - piece.first_triangle;
+    piece.is_sheet = sheets[p];
     if (piece.triangle_count > 0) shape.pieces.push_back(piece);
   }
   make_chunks(shape);
@@ -245,6 +290,7 @@ ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_wid
   geometry.solids.materials = scene.materials;
   geometry.solids.prototypes.resize(scene.prototypes.size());
   std::vector<std::vector<uint32_t>> shapes_of(scene.prototypes.size());
+  geometry.shape_of.resize(scene.prototypes.size());
   for (size_t i = 0; i < scene.prototypes.size(); ++i) {
     for (const auto& shape : scene.prototypes[i].shapes) {
       ThinShape thin;
@@ -257,6 +303,8 @@ ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_wid
       } else {
         thin = make_strands(std::get<Curves>(shape));
       }
+      geometry.shape_of[i].push_back(
+          thin.pieces.empty() ? no_piece : static_cast<uint32_t>(shapes_of[i].size()));
       if (thin.pieces.empty()) continue;
       shapes_of[i].push_back(static_cast<uint32_t>(geometry.shapes.size()));
       geometry.shapes.push_back(std::move(thin));
@@ -264,6 +312,7 @@ ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_wid
   }
   uint32_t first_piece = 0;
   for (const Instance& instance : scene.instances) {
+    geometry.first_instance.push_back(static_cast<uint32_t>(geometry.instances.size()));
     for (const uint32_t shape : shapes_of[instance.prototype]) {
       geometry.instances.push_back({shape, first_piece, instance.world_from_local});
       first_piece += static_cast<uint32_t>(geometry.shapes[shape].pieces.size());
@@ -274,6 +323,16 @@ ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_wid
   }
   if (uses_masks(geometry.solids)) geometry.solids.textures = scene.textures;
   return geometry;
+}
+
+uint32_t ThinGeometry::piece_at(const Scene& scene, const SurfacePoint& point) const {
+  const uint32_t thin = shape_of[scene.instances[point.instance].prototype][point.shape];
+  if (thin == no_piece) return no_piece;
+  const ThinInstance& instance = instances[first_instance[point.instance] + thin];
+  const ThinShape& shape = shapes[instance.shape];
+  if (shape.piece_of.empty()) return no_piece;
+  const uint32_t piece = shape.piece_of[point.primitive];
+  return piece == no_piece ? no_piece : instance.first_piece + piece;
 }
 
 }  // namespace relume

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/scene/scene.h"
+#include "core/trace/tracer.h"
 
 namespace relume {
 
@@ -13,7 +14,11 @@ struct ThinPiece {
   uint32_t vertex_count = 0;
   uint32_t first_triangle = 0;  ///< of meshes
   uint32_t triangle_count = 0;
+  bool is_sheet = false;  ///< of meshes: open, so that a line meets it once, not twice as a tube
 };
+
+/// A triangle of a mesh that belongs to no piece.
+inline constexpr uint32_t no_piece = 0xffffffffu;
 
 /// Pieces next to each other, a unit of work.
 struct ThinChunk {
@@ -31,6 +36,7 @@ struct ThinShape {
   std::vector<float> opacity;    ///< per triangle, (0, 1]; empty = all 1
   std::vector<ThinPiece> pieces;
   std::vector<ThinChunk> chunks;
+  std::vector<uint32_t> piece_of;  ///< per triangle of the scene's mesh, or no_piece
 };
 
 /// A shape where it stands.
@@ -46,7 +52,13 @@ struct ThinGeometry {
   std::vector<ThinInstance> instances;
   Scene solids;  ///< the rest: geometry, and the materials it needs for cut-outs
 
+  std::vector<uint32_t> first_instance;         ///< per instance of the scene: its first one here
+  std::vector<std::vector<uint32_t>> shape_of;  ///< per prototype and shape: which of its thin ones
+
   bool empty() const { return instances.empty(); }
+
+  /// The number of the piece of a mesh that a point of the scene lies on, or no_piece.
+  uint32_t piece_at(const Scene& scene, const SurfacePoint& point) const;
 };
 
 /// Splits a scene. Strands are thin. A connected piece of a mesh is thin when its mean width, area

@@ -194,7 +194,8 @@ class ChunkProjector {
     append(primitive, box);
   }
 
-  void add_triangle(uint32_t a, uint32_t b, uint32_t c, float opacity, uint32_t piece) {
+  void add_triangle(uint32_t a, uint32_t b, uint32_t c, float opacity, uint32_t piece,
+                    bool is_sheet) {
     vec4 corners[max_corners] = {scratch_.points[a], scratch_.points[b], scratch_.points[c]};
     int count = 3;
     if (!is_within(corners[0]) || !is_within(corners[1]) || !is_within(corners[2])) {
@@ -207,6 +208,7 @@ class ChunkProjector {
       set_corner(primitive, 2, corners[i]);
       primitive.opacity = opacity;
       primitive.piece = piece;
+      primitive.is_sheet = is_sheet;
       Box box{primitive.u[0], primitive.u[0], primitive.v[0], primitive.v[0], primitive.z[0]};
       for (int j = 1; j < 3; ++j) extend(box, primitive.u[j], primitive.v[j], primitive.z[j]);
       append(primitive, box);
@@ -360,8 +362,8 @@ void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receive
     }
     for (uint32_t i = piece.first_triangle; i < piece.first_triangle + piece.triangle_count; ++i) {
       const uvec3 t = shape.triangles[i] - piece.first_vertex;
-      projector.add_triangle(t.x, t.y, t.z, shape.opacity.empty() ? 1.0f : shape.opacity[i],
-                             number);
+      projector.add_triangle(t.x, t.y, t.z, shape.opacity.empty() ? 1.0f : shape.opacity[i], number,
+                             piece.is_sheet);
     }
   }
 }

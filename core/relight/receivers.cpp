@@ -19,7 +19,7 @@ Receivers make_receivers(const SampleType& type, int normal, const float* slot, 
   return receivers;
 }
 
-/// Calls visit(receivers) for each slot of a block.
+/// Calls visit(receivers, slot) for each slot of a block; slots of a type count from 0.
 template <class Visit>
 void for_each_slot(const CacheInfo& info, const PackedBlock& block, const float* records,
                    size_t first, const Visit& visit) {
@@ -27,7 +27,7 @@ void for_each_slot(const CacheInfo& info, const PackedBlock& block, const float*
     const SampleType& type = info.types[t];
     const int normal = field_offset(type, FieldSource::normal);
     for (int slot = 0; slot < block.slots[t]; ++slot) {
-      visit(make_receivers(type, normal, records, first));
+      visit(make_receivers(type, normal, records, first), slot);
       records += (1 + type.width) * block_lanes;
       first += block_lanes;
     }
@@ -70,7 +70,7 @@ void query_block(const CacheInfo& info, const PackedBlock& block, const float* r
   size_t slots = 0;
   for (size_t t = 0; t < info.types.size(); ++t) slots += block.slots[t];
   visibility.resize(slots * block_lanes);
-  for_each_slot(info, block, records, first, [&](const Receivers& receivers) {
+  for_each_slot(info, block, records, first, [&](const Receivers& receivers, int /*slot*/) {
     source.visibility(receivers, visibility.data() + (receivers.first - first));
   });
 }
@@ -92,8 +92,9 @@ void ViewReceivers::visit_tile(size_t tile,
   for (int b = 0; b < packed.block_count; ++b) {
     const PackedBlock block = cache_.block(packed, b);
     const float* records = decoder_.floats(block, scratch);
-    for_each_slot(cache_.info(), block, records, first, [&](const Receivers& receivers) {
+    for_each_slot(cache_.info(), block, records, first, [&](const Receivers& receivers, int slot) {
       group.receivers = receivers;
+      group.slot = slot;
       reader.read(receivers.normal[0] != nullptr, group);
       visit(group);
       first += block_lanes;

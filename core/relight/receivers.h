@@ -18,6 +18,7 @@ void query_block(const CacheInfo& info, const PackedBlock& block, const float* r
 /// Sixteen receivers, a slot of the cache, with the samples that each stands for.
 struct ReceiverGroup {
   Receivers receivers;
+  int slot = 0;  ///< within its block and type: one lane of them is one pixel
   std::array<Footprint, block_lanes> footprints;
   std::vector<Member> members;  ///< lane by lane, stored_members each
 };

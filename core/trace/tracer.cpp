@@ -29,6 +29,8 @@ struct Geometry {
   const Mesh* mesh = nullptr;
   const Curves* curves = nullptr;
   mat4x3 world_from_local = identity_transform();  ///< of the flattened copy
+  const Instance* instance = nullptr;              ///< of the flattened copy
+  uint32_t shape = 0;                              ///< within its prototype
   std::vector<uint32_t> segment_strand;            ///< per curve segment: its strand
 };
 
@@ -233,6 +235,7 @@ void Tracer::Impl::build_prototype(size_t index) {
   rtcSetSceneFlags(part, RTC_SCENE_FLAG_ROBUST);
   for (const auto& shape : scene.prototypes[index].shapes) {
     parts[index].push_back(attach(part, shape, identity_transform()));
+    parts[index].back()->shape = static_cast<uint32_t>(parts[index].size() - 1);
   }
   rtcCommitScene(part);
   check_device();
@@ -276,11 +279,14 @@ void Tracer::Impl::build() {
       attach_instance(instance);
       continue;
     }
+    uint32_t number = 0;
     for (const auto& shape : scene.prototypes[instance.prototype].shapes) {
       if (const Mesh* mesh = std::get_if<Mesh>(&shape)) {
         stats.flattened_triangles += mesh->triangles.size();
       }
       geometries.push_back(attach(top, shape, instance.world_from_local));
+      geometries.back()->instance = &instance;
+      geometries.back()->shape = number++;
       instance_of.push_back(nullptr);
     }
   }
@@ -369,17 +375,22 @@ std::optional<SurfacePoint> Tracer::intersect(const Ray& ray) const {
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const unsigned instance_id = query.hit.instID[0];
   const Geometry* geometry = nullptr;
-  const mat4x3* transform = nullptr;
+  const Instance* instance = nullptr;
   if (instance_id != RTC_INVALID_GEOMETRY_ID) {
-    const Instance& instance = *impl_->instance_of[instance_id];
-    geometry = impl_->parts[instance.prototype][query.hit.geomID].get();
-    transform = &instance.world_from_local;
+    instance = impl_->instance_of[instance_id];
+    geometry = impl_->parts[instance->prototype][query.hit.geomID].get();
   } else {
     geometry = impl_->geometries[query.hit.geomID].get();
-    transform = &geometry->world_from_local;
+    instance = geometry->instance;
   }
-  return geometry->mesh != nullptr ? impl_->mesh_point(*geometry, *transform, query, ray)
-                                   : impl_->strand_point(*geometry, *transform, query, ray);
+  const mat4x3& transform = instance->world_from_local;
+  SurfacePoint point = geometry->mesh != nullptr
+                           ? impl_->mesh_point(*geometry, transform, query, ray)
+                           : impl_->strand_point(*geometry, transform, query, ray);
+  point.instance = static_cast<uint32_t>(instance - scene().instances.data());
+  point.shape = geometry->shape;
+  point.primitive = query.hit.primID;
+  return point;
 }
 
 bool Tracer::occluded(const Ray& ray) const {

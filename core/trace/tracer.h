@@ -22,9 +22,12 @@ struct SurfacePoint {
   vec3 shading_normal;    ///< unit, world, faces the ray's origin
   vec3 tangent;           ///< unit, world, root to tip, on strands; zero on surfaces
   vec2 uv{0};
-  vec3 color_scale{1};    ///< per-strand colour, multiplies "diffuse"
-  uint32_t material = 0;  ///< index into Scene::materials
-  float bias = 0;         ///< world units, see core/trace/ray_bias.h
+  vec3 color_scale{1};     ///< per-strand colour, multiplies "diffuse"
+  uint32_t material = 0;   ///< index into Scene::materials
+  float bias = 0;          ///< world units, see core/trace/ray_bias.h
+  uint32_t instance = 0;   ///< index into Scene::instances
+  uint32_t shape = 0;      ///< of the instance's prototype
+  uint32_t primitive = 0;  ///< triangle, or segment in the strands' order
 };
 
 struct TracerStats {

@@ -4,14 +4,18 @@
 //
 // Usage: bench_coverage SCENE WIDTH HEIGHT TRUTH_SPP RECORDS [METHOD...]
 // METHOD "samples" is coverage with every sample a record. LIGHTS=n in the environment: the first
-// n.
+// n. PICTURES=DIR: visibilities go there as pictures, and a truth that lies there is read instead
+// of made.
 
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <ctime>
+#include <filesystem>
 
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
+#include "core/image/image_io.h"
 #include "core/samples/sample_scene.h"
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
@@ -95,6 +99,41 @@ std::vector<Pixels> find_truth(const Scene& scene, const Tracer& tracer, int wid
       }
     }
   });
+  return truth;
+}
+
+/// Directory for pictures; empty = none.
+std::filesystem::path picture_directory() {
+  const char* directory = std::getenv("PICTURES");
+  return directory != nullptr ? directory : "";
+}
+
+void write_picture(const std::string& name, const Pixels& pixels, int width, int height) {
+  if (picture_directory().empty()) return;
+  std::filesystem::create_directories(picture_directory());
+  const Image image = make_map(width, height, pixels);
+  const ExrLayer layer{"", {"Y"}, &image};
+  write_exr(picture_directory() / (name + ".exr"), {&layer, 1});
+}
+
+/// find_truth, kept in the picture directory.
+std::vector<Pixels> keep_truth(const std::string& name, const Scene& scene, const Tracer& tracer,
+                               int width, int height, int spp, std::span<const NamedLight> lights) {
+  const auto file_of = [&](const NamedLight& light) {
+    return fmt::format("truth_{}_{}x{}_{}_{}", name, width, height, spp, light.name);
+  };
+  std::vector<Pixels> truth;
+  if (!picture_directory().empty()) {
+    for (const NamedLight& light : lights) {
+      const auto path = picture_directory() / (file_of(light) + ".exr");
+      if (std::filesystem::exists(path)) truth.push_back(read_exr_channel(path, "Y").pixels);
+    }
+    if (truth.size() == lights.size()) return truth;
+  }
+  truth = find_truth(scene, tracer, width, height, spp, lights);
+  for (size_t l = 0; l < lights.size(); ++l) {
+    write_picture(file_of(lights[l]), truth[l], width, height);
+  }
   return truth;
 }
 
@@ -201,8 +240,10 @@ void measure(const std::string& name, VisibilitySource& source, const RelightCac
   std::vector<Pixels> found;
   for (size_t l = 0; l < lights.size(); ++l) {
     double ms = 1e30;
-    for (int repeat = 0; repeat < (l == 0 || l == 2 ? 2 : 1); ++repeat) {
+    double cpu_ms = 1e30;
+    for (int repeat = 0; repeat < 2; ++repeat) {
       const Timer timer;
+      const std::clock_t cpu_start = std::clock();
       source.prepare(lights[l].light);
       if (source.all_visibility().empty()) {
         parallel_for(cache.tiles().size(), 1, [&](size_t begin, size_t end) {
@@ -219,12 +260,16 @@ void measure(const std::string& name, VisibilitySource& source, const RelightCac
         });
       }
       ms = std::min(ms, timer.ms());
+      cpu_ms = std::min(cpu_ms, 1e3 * static_cast<double>(std::clock() - cpu_start) /
+                                    static_cast<double>(CLOCKS_PER_SEC));
     }
     found.push_back(pixel_visibility(cache, source));
     const Errors errors =
         find_errors(found.back(), truth[l], cache.info().width, cache.info().height);
-    fmt::print("{:10} {:9} mae {:.4f} bias {:.4f} signed {:+.4f} ms {:.0f}", name, lights[l].name,
-               errors.mean, errors.bias, errors.signed_mean, ms);
+    write_picture(fmt::format("{}_{}", name, lights[l].name), found.back(), cache.info().width,
+                  cache.info().height);
+    fmt::print("{:10} {:9} mae {:.4f} bias {:.4f} signed {:+.4f} ms {:.0f} cpu {:.0f}", name,
+               lights[l].name, errors.mean, errors.bias, errors.signed_mean, ms, cpu_ms);
     if (const auto* coverage = dynamic_cast<const CoverageVisibility*>(&source)) {
       const CoverageStats& s = coverage->stats();
       fmt::print(
@@ -254,7 +299,7 @@ int main(int argc, char** argv) {
   std::vector<NamedLight> lights = make_lights(name);
   if (const char* count = std::getenv("LIGHTS")) lights.resize(std::atoi(count));
   const std::vector<Pixels> truth =
-      find_truth(scene, tracer, width, height, std::atoi(argv[4]), lights);
+      keep_truth(name, scene, tracer, width, height, std::atoi(argv[4]), lights);
   PrepareParams params;
   params.width = width;
   params.height = height;

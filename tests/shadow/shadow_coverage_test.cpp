@@ -73,6 +73,44 @@ Scene make_leaves(int leaves = 120) {
   return scene;
 }
 
+/// A blade of 6 x 1 quads that bends over half a circle, with smooth normals.
+Mesh make_blade(vec3 root, vec3 out, vec3 across, uint32_t material) {
+  constexpr uint32_t steps = 6;
+  Mesh mesh;
+  for (uint32_t i = 0; i <= steps; ++i) {
+    const float angle = pi * static_cast<float>(i) / steps;
+    const vec3 up(0, glm::length(out), 0);
+    const vec3 middle = root + out * (1 - std::cos(angle)) + up * std::sin(angle);
+    const vec3 normal = glm::normalize(up * std::sin(angle) - out * std::cos(angle));
+    for (const float side : {-1.0f, 1.0f}) {
+      mesh.positions.push_back(middle + side * across);
+      mesh.normals.push_back(normal);
+    }
+  }
+  for (uint32_t i = 0; i < 2 * steps; i += 2) {
+    mesh.triangles.emplace_back(i, i + 1, i + 3);
+    mesh.triangles.emplace_back(i, i + 3, i + 2);
+  }
+  mesh.materials.assign(mesh.triangles.size(), material);
+  return mesh;
+}
+
+/// Bent blades over a floor.
+Scene make_blades(int blades = 60) {
+  Scene scene = make_empty_scene(make_camera({0, 2, 5}, {0, 0.2f, 0}, 40), 48, 48);
+  add_floor(scene);
+  const uint32_t leaf = add_material(scene, "leaf");
+  Random random(8, RandomStream::tests, 0);
+  for (int i = 0; i < blades; ++i) {
+    const float x = random.uniform(-1.2f, 1.2f);
+    const float z = random.uniform(-1.2f, 1.2f);
+    const float turn = random.uniform(0, 2 * pi);
+    const vec3 out(std::cos(turn), 0, std::sin(turn));
+    add_shape(scene, make_blade({x, 0.01f, z}, 0.15f * out, 0.04f * vec3(-out.z, 0, out.x), leaf));
+  }
+  return scene;
+}
+
 struct NamedLight {
   const char* name;
   Light light;
@@ -117,6 +155,20 @@ TEST(Coverage, OfThinGeometryIsWhatManyRaysFind) {
       EXPECT_NEAR(mean_of(found), mean_of(traced), is_near ? 0.03 : 0.012)
           << light.name << " " << is_leaves;
     }
+  }
+}
+
+TEST(Coverage, BentLeavesWithSmoothNormalsShadeAsRaysDo) {
+  const Scene scene = make_blades();
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 16);
+  CoverageVisibility coverage(tracer, cache);
+  const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
+  for (const vec3 place : {vec3(1, 4, 1.5f), vec3(-4, 0.9f, 0.5f), vec3(2, 1, -4), vec3(0, 2, 5)}) {
+    const Light light = make_point_light(place);
+    EXPECT_NEAR(mean_of(known_visibility(cache, coverage, light)),
+                mean_of(known_visibility(cache, *rays, light)), 0.015)
+        << place.x;
   }
 }
 
