@@ -12,7 +12,11 @@ namespace {
 
 /// Parts that geometry is projected in; their number never depends on the threads.
 constexpr size_t group_count = 32;
-/// Primitives that are looked at in one go; those that reach a receiver are held.
+/// Primitives that are looked at in one go, the first time; those that reach a receiver are held.
+/// What they make dark, the later ones skip.
+constexpr uint64_t first_round_primitives = uint64_t{1} << 18;
+/// Each time it is so many more, up to a limit.
+constexpr double round_growth = 1.2;
 constexpr uint64_t round_primitives = uint64_t{2} << 20;
 /// Marks receivers that rays have to decide.
 constexpr float undecided = -1;
@@ -54,15 +58,22 @@ void CoverageVisibility::prepare(const Light& light) {
 
 void CoverageVisibility::rasterise(const LightViews& lights) {
   if (geometry_.empty() || tree_.leaves.empty()) return;
-  const std::vector<ProjectionWork> work = list_projection_work(geometry_, tree_);
+  const Timer timer;
+  const std::vector<ProjectionWork> work =
+      list_projection_work(geometry_, receivers_, lights, tree_);
+  stats_.project_ms += timer.ms();
+  uint64_t limit = first_round_primitives;
   for (size_t begin = 0; begin < work.size();) {
     uint64_t primitives = 0;
     size_t end = begin;
-    while (end < work.size() && primitives < round_primitives) {
+    while (end < work.size() && primitives < limit) {
       primitives += primitive_count(geometry_, work[end++]);
     }
     rasterise_part(lights, std::span(work).subspan(begin, end - begin));
     begin = end;
+    limit = std::min(round_primitives,
+                     static_cast<uint64_t>(round_growth * static_cast<double>(limit)));
+    if (begin < work.size()) bound_lit_receivers(tree_);
   }
 }
 

@@ -91,6 +91,9 @@ struct CoverageTask {
   uint64_t tests;  ///< out: receivers x primitives that were looked at
 };
 
+/// What bounds of a block that went dark say of its depth.
+inline constexpr float dark_depth = -3e38f;
+
 /// Below this visibility a receiver counts as dark.
 inline constexpr float dark_visibility = 1.0f / 512;
 

@@ -460,7 +460,7 @@ inline bool is_dark(const float* block) {
 
 /// A block that nothing reaches any more.
 inline void retire(const CoverageBounds& bounds, int block) {
-  bounds.z_high[block] = -3e38f;
+  bounds.z_high[block] = dark_depth;
 }
 
 inline constexpr int max_task_blocks = 64;
@@ -514,7 +514,9 @@ inline void shade(CoverageTask& task) {
     }
   }
   for (int b = 0; b < task.block_count; ++b) {
-    flush_block(task.blocks + static_cast<int64_t>(b) * coverage_block_floats, last_is_sheet[b]);
+    float* block = task.blocks + static_cast<int64_t>(b) * coverage_block_floats;
+    flush_block(block, last_is_sheet[b]);
+    if (is_dark(block)) retire(task.bounds, b);
   }
 }
 

@@ -212,38 +212,6 @@ void project_leaf(const LearnedReceivers& receivers, const LightViews& lights,
   }
 }
 
-void bound_nodes(ReceiverTree& tree) {
-  const auto merge = [](ReceiverNode& a, const ReceiverNode& b, bool first) {
-    if (first) {
-      a.u_low = b.u_low;
-      a.u_high = b.u_high;
-      a.v_low = b.v_low;
-      a.v_high = b.v_high;
-      a.z_high = b.z_high;
-      return;
-    }
-    a.u_low = std::min(a.u_low, b.u_low);
-    a.u_high = std::max(a.u_high, b.u_high);
-    a.v_low = std::min(a.v_low, b.v_low);
-    a.v_high = std::max(a.v_high, b.v_high);
-    a.z_high = std::max(a.z_high, b.z_high);
-  };
-  for (size_t i = tree.nodes.size(); i-- > 0;) {
-    ReceiverNode& node = tree.nodes[i];
-    for (uint32_t c = 0; c < node.child_count; ++c) {
-      merge(node, tree.nodes[node.first_child + c], c == 0);
-    }
-    if (node.child_count > 0) continue;
-    const ReceiverLeaf& leaf = tree.leaves[node.leaf];
-    for (uint32_t b = 0; b < leaf.block_count; ++b) {
-      const CoverageBounds bounds = tree.bounds_of(leaf.first_block + b);
-      merge(node,
-            {*bounds.u_low, *bounds.u_high, *bounds.v_low, *bounds.v_high, *bounds.z_high, 0, 0, 0},
-            b == 0);
-    }
-  }
-}
-
 }  // namespace
 
 void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& lights,
@@ -303,7 +271,31 @@ void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& li
       project_leaf(receivers, lights, kernels, tree, tree.leaves[l]);
     }
   });
-  bound_nodes(tree);
+  bound_lit_receivers(tree);
+}
+
+void bound_lit_receivers(ReceiverTree& tree) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const auto merge = [](ReceiverNode& a, const ReceiverNode& b) {
+    a.u_low = std::min(a.u_low, b.u_low);
+    a.u_high = std::max(a.u_high, b.u_high);
+    a.v_low = std::min(a.v_low, b.v_low);
+    a.v_high = std::max(a.v_high, b.v_high);
+    a.z_high = std::max(a.z_high, b.z_high);
+  };
+  for (size_t i = tree.nodes.size(); i-- > 0;) {
+    ReceiverNode& node = tree.nodes[i];
+    node.u_low = node.v_low = infinity;
+    node.u_high = node.v_high = node.z_high = -infinity;
+    for (uint32_t c = 0; c < node.child_count; ++c) merge(node, tree.nodes[node.first_child + c]);
+    if (node.child_count > 0) continue;
+    const ReceiverLeaf& leaf = tree.leaves[node.leaf];
+    for (uint32_t b = 0; b < leaf.block_count; ++b) {
+      const CoverageBounds bounds = tree.bounds_of(leaf.first_block + b);
+      if (*bounds.z_high <= dark_depth) continue;
+      merge(node, {*bounds.u_low, *bounds.u_high, *bounds.v_low, *bounds.v_high, *bounds.z_high});
+    }
+  }
 }
 
 }  // namespace relume

@@ -71,4 +71,7 @@ void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& li
                          const CoverageKernels& kernels, ReceiverTree& tree,
                          std::vector<ReceiverState>& states, std::vector<KeyedIndex>& scratch);
 
+/// Takes blocks that went dark out of the bounds, so that nothing is drawn onto them any more.
+void bound_lit_receivers(ReceiverTree& tree);
+
 }  // namespace relume

@@ -1,5 +1,9 @@
 #include "shadow/thin_projection.h"
 
+#include <algorithm>
+
+#include "core/base/parallel.h"
+
 namespace relume {
 namespace {
 
@@ -20,7 +24,7 @@ bool overlaps(const Box& box, const ReceiverNode& node) {
          box.v_high >= node.v_low && box.z_low <= node.z_high;
 }
 
-/// Calls visit(leaf) for each leaf that the box may reach.
+/// Calls visit(leaf) for each leaf that the box may reach, until it returns false.
 template <class Visit>
 void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
                    std::vector<uint32_t>& stack, const Visit& visit) {
@@ -30,7 +34,7 @@ void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
   while (top != stack.data()) {
     const ReceiverNode& node = tree.nodes[*--top];
     if (node.child_count == 0) {
-      if (overlaps(box, node)) visit(node.leaf);
+      if (overlaps(box, node) && !visit(node.leaf)) return;
       continue;
     }
     if (static_cast<size_t>(top - stack.data()) + node.child_count > stack.size()) {
@@ -45,6 +49,16 @@ void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
       }
     }
   }
+}
+
+bool reaches_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
+                  std::vector<uint32_t>& stack) {
+  bool reached = false;
+  for_each_leaf(tree, root, box, stack, [&](uint32_t) {
+    reached = true;
+    return false;
+  });
+  return reached;
 }
 
 /// x, y, d and w as linear functions of a shape's local position.
@@ -97,8 +111,8 @@ class ChunkProjector {
     v_high_ = root.v_high + far_out * v;
   }
 
-  /// False when nothing within the local bounds reaches a leaf.
-  bool may_reach(const Bounds& bounds) {
+  /// False when nothing within the local bounds reaches a leaf. `depth`: of the nearest corner.
+  bool may_reach(const Bounds& bounds, float& depth) {
     Box box{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
             std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
             std::numeric_limits<float>::infinity()};
@@ -107,12 +121,14 @@ class ChunkProjector {
                    (corner & 2) != 0 ? bounds.high.y : bounds.low.y,
                    (corner & 4) != 0 ? bounds.high.z : bounds.low.z);
       const vec4 q = shape_.point(p);
-      if (!(q.w > near_w_)) return true;
+      if (!(q.w > near_w_)) {
+        depth = std::numeric_limits<float>::lowest();
+        return true;
+      }
       extend(box, q.x / q.w, q.y / q.w, q.z / q.w);
     }
-    bool reached = false;
-    for_each_leaf(tree_, view_.root, box, scratch_.stack, [&](uint32_t) { reached = true; });
-    return reached;
+    depth = box.z_low;
+    return reaches_leaf(tree_, view_.root, box, scratch_.stack);
   }
 
   /// Projects the points of a piece; false when nothing of it reaches a leaf. What is
@@ -307,6 +323,7 @@ class ChunkProjector {
     for_each_leaf(tree_, start_, box, scratch_.stack, [&](uint32_t leaf) {
       out_.reaches.push_back({leaf, number});
       reached = true;
+      return true;
     });
     if (reached) out_.primitives.push_back(primitive);
   }
@@ -327,16 +344,36 @@ class ChunkProjector {
 }  // namespace
 
 std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
+                                                 const LearnedReceivers& receivers,
+                                                 const LightViews& lights,
                                                  const ReceiverTree& tree) {
-  std::vector<ProjectionWork> work;
-  for (uint32_t view = 0; view < tree.views.size(); ++view) {
-    if (!tree.views[view].is_used) continue;
-    for (uint32_t i = 0; i < geometry.instances.size(); ++i) {
-      const ThinShape& shape = geometry.shapes[geometry.instances[i].shape];
-      for (uint32_t c = 0; c < shape.chunks.size(); ++c) work.push_back({view, i, c});
+  constexpr size_t part_instances = 256;
+  const size_t parts = (geometry.instances.size() + part_instances - 1) / part_instances;
+  std::vector<std::vector<ProjectionWork>> found(parts);
+  parallel_for(parts, 1, [&](size_t begin, size_t end) {
+    ProjectionScratch scratch;
+    ProjectedGeometry unused;
+    for (size_t i = begin * part_instances;
+         i < std::min(end * part_instances, geometry.instances.size()); ++i) {
+      const ThinInstance& instance = geometry.instances[i];
+      const ThinShape& shape = geometry.shapes[instance.shape];
+      for (uint32_t v = 0; v < tree.views.size(); ++v) {
+        if (!tree.views[v].is_used) continue;
+        const ShapeView view =
+            make_shape_view(lights.views[v], instance.world_from_local, receivers);
+        ChunkProjector projector(tree, tree.views[v], view, scratch, unused);
+        for (uint32_t c = 0; c < shape.chunks.size(); ++c) {
+          ProjectionWork work{v, static_cast<uint32_t>(i), c};
+          if (!projector.may_reach(shape.chunks[c].bounds, work.depth)) continue;
+          found[i / part_instances].push_back(work);
+        }
+      }
     }
-  }
-  return work;
+  });
+  std::vector<ProjectionWork> all;
+  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+  std::ranges::stable_sort(all, {}, &ProjectionWork::depth);
+  return all;
 }
 
 void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receivers,
@@ -348,7 +385,8 @@ void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receive
   const ShapeView view =
       make_shape_view(lights.views[work.view], instance.world_from_local, receivers);
   ChunkProjector projector(tree, tree.views[work.view], view, scratch, out);
-  if (!projector.may_reach(chunk.bounds)) return;
+  float depth = 0;
+  if (!projector.may_reach(chunk.bounds, depth)) return;
   for (uint32_t p = chunk.first_piece; p < chunk.first_piece + chunk.piece_count; ++p) {
     const ThinPiece& piece = shape.pieces[p];
     const uint32_t number = instance.first_piece + p;

@@ -10,10 +10,13 @@ struct ProjectionWork {
   uint32_t view = 0;
   uint32_t instance = 0;
   uint32_t chunk = 0;
+  float depth = 0;  ///< of its nearest corner
 };
 
-/// Every chunk in every view that has receivers, in the scene's order.
+/// The chunks that may reach a receiver, in each view that has any, near ones first.
 std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
+                                                 const LearnedReceivers& receivers,
+                                                 const LightViews& lights,
                                                  const ReceiverTree& tree);
 
 /// Primitives in the light's picture and the leaves of the tree that each may shade.
