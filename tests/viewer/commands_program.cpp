@@ -340,7 +340,8 @@ TEST(Program, StudyMeasuresMethodsAgainstKmeans) {
   const TemporaryFolder folder;
   const Outcome outcome = run_relume(folder,
                                      "study methods spheres -q --quick --methods kmeans light-fit "
-                                     "--records 2 --average-records 0 --width 64 --height 64 "
+                                     "--shadows none --records 2 --average-records 0 --width 64 "
+                                     "--height 64 "
                                      "--spp 16 --json --output out");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto document = nlohmann::json::parse(outcome.out);
@@ -374,10 +375,11 @@ TEST(Program, StudyMeasuresMethodsAgainstKmeans) {
 
 TEST(Program, StudyOfABudgetIsHeldAgainstEightRecords) {
   const TemporaryFolder folder;
-  const Outcome outcome = run_relume(folder,
-                                     "study methods spheres -q --methods kmeans light-fit "
-                                     "--records 8 --average-records 2 --lights 4 --width 32 "
-                                     "--height 32 --spp 16 --json");
+  const Outcome outcome =
+      run_relume(folder,
+                 "study methods spheres -q --methods kmeans light-fit "
+                 "--shadows none --records 8 --average-records 2 --lights 4 --width 32 "
+                 "--height 32 --spp 16 --json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto rows = nlohmann::json::parse(outcome.out)["rows"];
   ASSERT_EQ(rows.size(), 3u);

@@ -9,6 +9,7 @@
 #include "core/base/parallel.h"
 #include "core/base/progress.h"
 #include "viewer/commands/commands.h"
+#include "viewer/commands/study_names.h"
 #include "viewer/commands/version.h"
 
 namespace relume {
@@ -256,28 +257,32 @@ void add_info(CLI::App& app, Parsed& p) {
 void add_study(CLI::App& app, Parsed& p) {
   CLI::App& sub = add_command(
       app, p, "study", "Measure speed against accuracy over methods, scenes and budgets",
-      "  relume study methods --quick\n  relume study methods scenes/real/fur.json --methods "
+      "  relume study all --quick -o out\n  relume study methods scenes/real/fur.json --methods "
       "kmeans strong-kmeans light-fit -o out",
       [&p] { return run_study(p.study, p.common); });
   StudyOptions& o = p.study;
-  sub.add_option("name", o.name,
-                 "methods: TR2007-600's experiment 1 without shadows; shadows: shadow methods "
-                 "against a traced truth")
-      ->required()
-      ->check(CLI::IsMember({"methods", "shadows"}));
-  sub.add_option("scenes", o.scenes, "scene labels or files")->capture_default_str();
-  sub.add_option("-o,--output", o.output, "folder for NAME.json and NAME.csv");
+  std::string studies = "one of";
+  for (const StudyName& study : study_names) {
+    studies += fmt::format("\n{}: {}", study.name, study.help);
+  }
+  sub.add_option("name", o.name, studies)->required()->check([](const std::string& name) {
+    return find_study(name) != nullptr ? "" : "'" + name + "' is no study";
+  });
+  sub.add_option("scenes", o.scenes, "scene labels or files; default: the study's own");
+  sub.add_option(
+      "-o,--output", o.output,
+      "folder for NAME.json, NAME.csv, NAME.html; a study that was stopped goes on there");
   sub.add_flag("--quick", o.quick, "minutes: 16 lights and a part of each picture");
   add_labels(sub, "--methods", o.methods, reduction_method_labels,
-             "reduction methods; default: all, shadows: kmeans, strong-kmeans, light-fit");
+             "reduction methods; default: the study's own");
   add_labels(sub, "--shadows", o.shadows, shadow_method_labels,
-             "shadow methods of the shadow study; default: all");
-  sub.add_option("--records", o.records, "records per pixel (k)")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  sub.add_option("--average-records", o.average_records, "budgets of light-fit; 0 = none")
-      ->check(CLI::Range(0.0, 64.0))
-      ->capture_default_str();
+             "shadow methods; default: none and ray, shadows: all");
+  sub.add_option("--records", o.records,
+                 "records per pixel (k); default: 8, rates and shadows 8 4 2")
+      ->check(CLI::Range(1, 64));
+  sub.add_option("--average-records", o.average_records,
+                 "budgets of light-fit; 0 = none; default: 3, rates 4 3 2")
+      ->check(CLI::Range(0.0, 64.0));
   sub.add_option("--lights", o.lights, "test lights; 0 = 50, quick 16")->check(CLI::Range(0, 4096));
   sub.add_option("--training-lights", o.training_lights, "lights that light metrics are trained on")
       ->check(CLI::Range(1, 4096))
@@ -288,7 +293,7 @@ void add_study(CLI::App& app, Parsed& p) {
       ->capture_default_str();
   sub.add_option("--truth-spp", o.truth_spp,
                  "compare with an independent picture of so many samples; 0 = with all samples in, "
-                 "shadows: 256")
+                 "shadows, tradeoff: 256")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   sub.add_option("--width", o.width, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
@@ -296,7 +301,8 @@ void add_study(CLI::App& app, Parsed& p) {
   sub.add_option("--window", o.window,
                  "shadow study: measure so many pixels a side; 0 = the picture, quick 96")
       ->check(CLI::Range(0, 16384));
-  sub.add_flag("--timed", o.timed, "shadow study: time light moves of the whole picture");
+  sub.add_flag("--timed", o.timed,
+               "methods: how long each reduces; shadows: time light moves of the whole picture");
   sub.add_flag("--pictures", o.pictures, "shadow study: write maps of visibility, side by side");
   sub.add_option("--tile-stride", o.tile_stride, "measure every n-th tile; 0 = all, quick a part")
       ->check(CLI::Range(0, 1 << 20));

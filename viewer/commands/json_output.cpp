@@ -35,6 +35,14 @@ std::string to_text(const Figure& figure) {
   return std::visit([](const auto& value) { return fmt::format("{}", value); }, figure);
 }
 
+/// As RFC 4180 wants it.
+std::string to_csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char letter : text) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+  return quoted + "\"";
+}
+
 bool same_names(const FigureRow& a, const FigureRow& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const auto& x, const auto& y) { return x.first == y.first; });
@@ -81,6 +89,12 @@ std::string format_table(std::span<const FigureRow> rows) {
 
 std::string format_figures(const std::string& schema, const CommonOptions& common,
                            const std::vector<FigureRow>& rows) {
+  const FigureTable table{"rows", rows};
+  return format_tables(schema, common, {&table, 1});
+}
+
+std::string format_tables(const std::string& schema, const CommonOptions& common,
+                          std::span<const FigureTable> tables) {
   nlohmann::ordered_json json;
   json["schema"] = schema;
   json["version"] = relume_version;
@@ -88,11 +102,13 @@ std::string format_figures(const std::string& schema, const CommonOptions& commo
   json["cpu"] = cpu_name();
   json["threads"] = thread_count();
   json["seed"] = common.seed;
-  json["rows"] = nlohmann::ordered_json::array();
-  for (const FigureRow& row : rows) {
-    nlohmann::ordered_json object;
-    for (const auto& [name, figure] : row) object[name] = to_json(figure);
-    json["rows"].push_back(object);
+  for (const FigureTable& table : tables) {
+    json[table.name] = nlohmann::ordered_json::array();
+    for (const FigureRow& row : table.rows) {
+      nlohmann::ordered_json object;
+      for (const auto& [name, figure] : row) object[name] = to_json(figure);
+      json[table.name].push_back(object);
+    }
   }
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
@@ -109,7 +125,8 @@ std::string format_csv(const std::vector<FigureRow>& rows) {
   if (!rows.empty()) add_line(rows.front(), [](const auto& entry) { return entry.first; });
   for (const FigureRow& row : rows) {
     add_line(row, [](const auto& entry) {
-      return std::visit([](const auto& value) { return fmt::format("{}", value); }, entry.second);
+      return std::visit([](const auto& value) { return to_csv_cell(fmt::format("{}", value)); },
+                        entry.second);
     });
   }
   return text;

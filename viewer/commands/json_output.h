@@ -1,19 +1,13 @@
 #pragma once
 
-#include <initializer_list>
 #include <span>
 #include <string>
-#include <utility>
-#include <variant>
 #include <vector>
 
 #include "viewer/commands/options.h"
+#include "viewer/study/figure_row.h"
 
 namespace relume {
-
-/// One row of figures: names and values in order.
-using Figure = std::variant<double, int64_t, std::string, bool>;
-using FigureRow = std::vector<std::pair<std::string, Figure>>;
 
 /// The program's one shape for figures: {schema, version, commit, cpu, threads, seed, rows: [...]},
 /// indented, with a final newline. `schema` names the kind of rows, for instance "relume-render-1".
@@ -21,7 +15,12 @@ using FigureRow = std::vector<std::pair<std::string, Figure>>;
 std::string format_figures(const std::string& schema, const CommonOptions& common,
                            const std::vector<FigureRow>& rows);
 
-/// Rows as comma-separated values under a line of names, which are the first row's.
+/// The same with several tables, each under its name.
+std::string format_tables(const std::string& schema, const CommonOptions& common,
+                          std::span<const FigureTable> tables);
+
+/// Rows as comma-separated values under a line of names, which are the first row's. Text with a
+/// comma, quote or line end is quoted.
 std::string format_csv(const std::vector<FigureRow>& rows);
 
 /// The same to read: neighbouring rows of the same names as a table, a row by itself as lines

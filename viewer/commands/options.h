@@ -104,25 +104,25 @@ struct BenchOptions {
 };
 
 struct StudyOptions {
-  std::string name;  ///< methods, shadows
-  std::vector<std::string> scenes{"hair", "plants", "spheres"};
-  std::optional<std::filesystem::path> output;   ///< folder for NAME.json, .csv and pictures
-  bool quick = false;                            ///< a part of the picture, fewer lights
-  std::vector<ReductionMethod> methods;          ///< empty = all; shadows: the three that matter
-  std::vector<ShadowMethod> shadows;             ///< of the shadow study; empty = all
-  std::vector<int> records{8, 4, 2};             ///< k
-  std::vector<double> average_records{4, 3, 2};  ///< of Light-Fit under a budget
-  int lights = 0;                                ///< test lights; 0 = 50, quick 16
+  std::string name;                             ///< one of study_names
+  std::vector<std::string> scenes;              ///< empty = the study's own
+  std::optional<std::filesystem::path> output;  ///< folder for NAME.json, .csv, .html and pictures
+  bool quick = false;                           ///< a part of the picture, fewer lights
+  std::vector<ReductionMethod> methods;         ///< empty = the study's own
+  std::vector<ShadowMethod> shadows;            ///< empty = the study's own
+  std::vector<int> records;                     ///< k; empty = the study's own
+  std::vector<double> average_records;  ///< of Light-Fit under a budget, 0 = none; empty = own
+  int lights = 0;                       ///< test lights; 0 = 50, quick 16
   int training_lights = 200;
   bool train_shadows = false;
   int spp = 25;
-  /// > 0: compare with an independent picture of so many samples; shadows: 0 = 256.
+  /// > 0: compare with an independent picture of so many samples; shadows, tradeoff: 0 = 256.
   int truth_spp = 0;
   int width = 0;  ///< pixels; 0 = the scene's
   int height = 0;
   int tile_stride = 0;    ///< measure every n-th tile; 0 = 1, quick: about 24 tiles
   int window = 0;         ///< shadows: pixels a side of what is measured; 0 = all, quick 96
-  bool timed = false;     ///< shadows: time light moves of the whole picture
+  bool timed = false;     ///< times in the figures, where the study is not about them anyway
   bool pictures = false;  ///< shadows: write maps of visibility, side by side
 };
 

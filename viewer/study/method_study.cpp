@@ -1,5 +1,7 @@
 #include "viewer/study/method_study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,53 +10,17 @@
 #include "core/base/timer.h"
 #include "viewer/session/method_training.h"
 #include "viewer/session/record_planning.h"
+#include "viewer/study/significance.h"
+#include "viewer/study/tile_values.h"
 
 namespace relume {
 namespace {
 
-/// Tiles between two reports of progress.
+/// Tiles between two entries of the log and two reports of progress.
 constexpr size_t batch_tiles = 32;
 
 /// Added to the seed of a reference whose samples are others than those of any trial.
 constexpr uint64_t reference_seed_offset = 0x7275746800000000u;
-
-/// What a tile's pixels look like under the test lights: pixels x 3 x columns.
-std::vector<float> tile_values(const SampleTile& tile, const LobeEvaluator& evaluator) {
-  const auto columns = static_cast<size_t>(evaluator.lights().columns());
-  std::vector<float> values(static_cast<size_t>(tile.pixel_count()) * 3 * columns, 0.0f);
-  std::vector<float> lobes(max_lobes * columns);
-  std::vector<float> v(3 * columns);
-  for (size_t t = 0; t < tile.types.size(); ++t) {
-    const TypedRows& rows = tile.types[t];
-    const int type = static_cast<int>(t);
-    const auto width = static_cast<size_t>(evaluator.vector_width(type));
-    for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
-      float* out = &values[static_cast<size_t>(pixel) * 3 * columns];
-      for (uint32_t row = rows.first[pixel]; row < rows.first[pixel + 1]; ++row) {
-        const float* vector = &rows.values[row * width];
-        evaluator.lobes(type, vector, lobes.data());
-        shade_rows(evaluator, type, vector, 1, lobes.data(), v.data());
-        for (size_t i = 0; i < v.size(); ++i) out[i] += rows.weights[row] * v[i];
-      }
-    }
-  }
-  return values;
-}
-
-/// Sums over one tile; merged in tile order, so that threads do not change them.
-struct TileSums {
-  std::vector<double> errors;  ///< per light
-  double predicted = 0;
-  int64_t records = 0;
-  double reduce_ms = 0;
-};
-
-struct TileResult {
-  std::vector<TileSums> trials;
-  double reference = 0;  ///< over pixels, lights and RGB
-  int64_t covered = 0;
-  int64_t pixels = 0;
-};
 
 /// One trial made ready for a scene.
 struct Runner {
@@ -68,162 +34,260 @@ bool is_reduced(ReductionMethod method) {
   return method != ReductionMethod::all && method != ReductionMethod::pure;
 }
 
-Runner make_runner(const Scene& scene, const Tracer& tracer, const MethodStudyParams& params,
-                   const MethodTrial& trial, int width, int height,
+/// What all trials on a scene share.
+struct Setting {
+  const Scene& scene;
+  const Tracer& tracer;
+  const MethodStudyParams& params;
+  int width;
+  int height;
+  float scene_radius;
+  ViewSampler reference_view;
+  TestLights lights;
+
+  bool asks_for(ShadowMethod shadow) const {
+    return std::ranges::find(params.shadows, shadow) != params.shadows.end();
+  }
+  const std::vector<SampleType>& types() const { return reference_view.types.types; }
+};
+
+/// Sums over tiles, in the shape in which the log keeps them.
+class BatchSums {
+ public:
+  static constexpr size_t head = 2;        ///< pixels, covered pixels
+  static constexpr size_t trial_head = 3;  ///< records, predicted error, milliseconds of reduction
+
+  explicit BatchSums(const MethodStudyParams& params)
+      : shadows_(params.shadows.size()), lights_(params.lights) {
+    values_.assign(head + shadows_ + params.trials.size() * trial_size(), 0.0);
+  }
+
+  double& pixels() { return values_[0]; }
+  double& covered() { return values_[1]; }
+  double& reference(size_t shadow) { return values_[head + shadow]; }
+  double* trial(size_t index) { return &values_[head + shadows_ + index * trial_size()]; }
+  double* errors(size_t index, size_t shadow) {
+    return trial(index) + trial_head + shadow * lights_;
+  }
+
+  void add(std::span<const double> values) {
+    CHECK_MSG(values.size() == values_.size(), "{} {}", values.size(), values_.size());
+    for (size_t i = 0; i < values_.size(); ++i) values_[i] += values[i];
+  }
+  const std::vector<double>& values() const { return values_; }
+
+ private:
+  size_t trial_size() const { return trial_head + shadows_ * lights_; }
+
+  size_t shadows_;
+  size_t lights_;
+  std::vector<double> values_;
+};
+
+Setting make_setting(const Scene& scene, const Tracer& tracer, const MethodStudyParams& params) {
+  const int width = params.width > 0 ? params.width : scene.width;
+  const int height = params.height > 0 ? params.height : scene.height;
+  const float radius = std::max(tracer.bounds().radius(), 1e-30f);
+  ViewSampler view =
+      make_view_sampler(scene, tracer, width, height, params.reference_spp,
+                        params.is_independent ? params.seed + reference_seed_offset : params.seed);
+  std::vector<Light> lights;
+  for (int i = 0; i < params.lights; ++i) {
+    lights.push_back(interpolate_light(scene.representative_low, scene.representative_high,
+                                       params.seed, static_cast<uint64_t>(i)));
+  }
+  TestLights test = make_test_lights(lights, view, radius);
+  return {scene, tracer, params, width, height, radius, std::move(view), std::move(test)};
+}
+
+Runner make_runner(const Setting& setting, const MethodTrial& trial,
                    const ProgressCallback& progress) {
+  const MethodStudyParams& params = setting.params;
   const int spp = trial.method == ReductionMethod::pure ? trial.records : trial.spp;
-  Runner runner{
-      trial, {}, make_view_sampler(scene, tracer, width, height, spp, params.seed), nullptr};
+  Runner runner{trial,
+                {},
+                make_view_sampler(setting.scene, setting.tracer, setting.width, setting.height, spp,
+                                  params.seed),
+                nullptr};
   runner.params.method = trial.method;
   runner.params.records = trial.records;
   runner.params.seed = params.seed;
-  runner.params.scene_radius = std::max(tracer.bounds().radius(), 1e-30f);
+  runner.params.scene_radius = setting.scene_radius;
   if (!is_reduced(trial.method)) return runner;
   if (trial.budget.is_set()) {
-    runner.params.record_cost =
-        plan_records(scene, runner.view, runner.params, params.training, trial.budget, progress)
-            .record_cost;
+    runner.params.record_cost = plan_records(setting.scene, runner.view, runner.params,
+                                             params.training, trial.budget, progress)
+                                    .record_cost;
   }
-  runner.lights = make_method_lights(scene, runner.view, runner.params, params.training);
+  TrainingParams training = params.training;
+  if (trial.training_lights > 0) training.lights = trial.training_lights;
+  training.shadows |= trial.train_shadows;
+  runner.lights = make_method_lights(setting.scene, runner.view, runner.params, training);
   return runner;
 }
 
-TileSums measure_trial(const Runner& runner, const SampleTile& samples,
-                       const LobeEvaluator& evaluator, const std::vector<float>& reference,
-                       int lights) {
-  TileSums sums;
-  const Timer timer;
-  const SampleTile records = is_reduced(runner.trial.method)
-                                 ? reduce_tile(samples, runner.view.types.types, runner.params,
-                                               runner.view.width, runner.lights->lights())
-                                 : samples;
-  sums.reduce_ms = timer.ms();
-  sums.records = static_cast<int64_t>(records.row_count());
-  for (const float error : records.predicted_error) sums.predicted += error;
-  const std::vector<float> values = tile_values(records, evaluator);
-  const auto columns = static_cast<size_t>(evaluator.lights().columns());
-  std::vector<double> errors(columns, 0.0);
-  for (size_t pixel = 0; pixel < static_cast<size_t>(samples.pixel_count()); ++pixel) {
-    for (size_t j = 0; j < columns; ++j) {
+/// Per light, eq. 7 before the mean: the sum over pixels of the RMS over RGB.
+void add_errors(std::span<const float> values, std::span<const float> reference, size_t lights,
+                double* errors) {
+  for (size_t pixel = 0; pixel < values.size(); pixel += 3 * lights) {
+    for (size_t light = 0; light < lights; ++light) {
       double squares = 0;
       for (size_t c = 0; c < 3; ++c) {
-        const size_t i = (pixel * 3 + c) * columns + j;
+        const size_t i = pixel + c * lights + light;
         const double d = double{values[i]} - reference[i];
         squares += d * d;
       }
-      errors[j] += std::sqrt(squares / 3);
+      errors[light] += std::sqrt(squares / 3);
     }
   }
-  // Padding columns have weight 0, and so no error; the lights come first within each kind.
-  for (size_t j = 0; j < columns; ++j) {
-    if (evaluator.lights().padding[j]) continue;
-    sums.errors.push_back(errors[j]);
-  }
-  CHECK_MSG(sums.errors.size() == static_cast<size_t>(lights), "{} {}", sums.errors.size(), lights);
-  return sums;
 }
 
-TileResult measure_tile(std::span<const Runner> runners, const ViewSampler& reference_view,
-                        int index, const LobeEvaluator& evaluator, int lights) {
-  TileResult result;
-  const SampleTile reference_samples = sample_tile(reference_view, index);
-  const std::vector<float> reference = tile_values(reference_samples, evaluator);
-  for (const float value : reference) result.reference += value;
-  result.pixels = reference_samples.pixel_count();
-  for (int pixel = 0; pixel < reference_samples.pixel_count(); ++pixel) {
+std::span<const float> values_of(const TileValues& values, ShadowMethod shadow) {
+  return shadow == ShadowMethod::none ? values.plain : values.traced;
+}
+
+int64_t count_covered(const SampleTile& tile) {
+  int64_t covered = 0;
+  for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
     const auto has_rows = [&](const TypedRows& rows) {
       return rows.first[pixel + 1] > rows.first[pixel];
     };
-    if (std::ranges::any_of(reference_samples.types, has_rows)) ++result.covered;
+    if (std::ranges::any_of(tile.types, has_rows)) ++covered;
   }
-  SampleTile samples;
-  int spp = 0;
-  for (const Runner& runner : runners) {
-    if (spp != runner.view.strata.spp) samples = sample_tile(runner.view, index);
-    spp = runner.view.strata.spp;
-    result.trials.push_back(measure_trial(runner, samples, evaluator, reference, lights));
-  }
-  return result;
+  return covered;
 }
 
-void finish(MethodFigure& figure, double pixels, double reference) {
-  const double covered = std::max<double>(1, static_cast<double>(figure.covered_pixels));
-  const double lights = static_cast<double>(figure.errors.size());
-  for (double& error : figure.errors) error /= covered;
-  for (const double error : figure.errors) figure.error += error / lights;
-  double squares = 0;
-  for (const double error : figure.errors)
-    squares += (error - figure.error) * (error - figure.error);
-  figure.error_stddev = lights > 1 ? std::sqrt(squares / (lights - 1)) : 0;
-  figure.error_image = figure.error * covered / std::max(1.0, pixels);
-  figure.reference_mean = reference / (3 * lights * covered);
-  figure.predicted_error /= covered;
-  figure.average_records /= covered;
+void measure_trial(const Setting& setting, const Runner& runner, const SampleTile& samples,
+                   const TileValues& reference, size_t index, BatchSums& sums) {
+  double* const head = sums.trial(index);
+  const Timer timer;
+  const SampleTile records = is_reduced(runner.trial.method)
+                                 ? reduce_tile(samples, setting.types(), runner.params,
+                                               runner.view.width, runner.lights->lights())
+                                 : samples;
+  head[2] = timer.ms();
+  head[0] = static_cast<double>(records.row_count());
+  for (const float error : records.predicted_error) head[1] += error;
+  const TileValues values =
+      tile_values(records, setting.types(), setting.lights, setting.asks_for(ShadowMethod::ray));
+  for (size_t s = 0; s < setting.params.shadows.size(); ++s) {
+    const ShadowMethod shadow = setting.params.shadows[s];
+    add_errors(values_of(values, shadow), values_of(reference, shadow), setting.lights.count(),
+               sums.errors(index, s));
+  }
+}
+
+BatchSums measure_tile(const Setting& setting, std::span<const Runner> runners, int tile) {
+  BatchSums sums(setting.params);
+  const SampleTile reference_samples = sample_tile(setting.reference_view, tile);
+  const TileValues reference = tile_values(reference_samples, setting.types(), setting.lights,
+                                           setting.asks_for(ShadowMethod::ray));
+  for (size_t s = 0; s < setting.params.shadows.size(); ++s) {
+    for (const float value : values_of(reference, setting.params.shadows[s])) {
+      sums.reference(s) += value;
+    }
+  }
+  sums.pixels() = reference_samples.pixel_count();
+  sums.covered() = static_cast<double>(count_covered(reference_samples));
+  SampleTile samples;
+  int spp = 0;
+  for (size_t i = 0; i < runners.size(); ++i) {
+    const ViewSampler& view = runners[i].view;
+    if (spp != view.strata.spp) samples = sample_tile(view, tile);
+    spp = view.strata.spp;
+    measure_trial(setting, runners[i], samples, reference, i, sums);
+  }
+  return sums;
+}
+
+/// Merged in the order of the tiles, so that threads do not change the sums.
+BatchSums measure_batch(const Setting& setting, std::span<const Runner> runners,
+                        std::span<const int> tiles) {
+  std::vector<BatchSums> results(tiles.size(), BatchSums(setting.params));
+  parallel_for(tiles.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) results[i] = measure_tile(setting, runners, tiles[i]);
+  });
+  BatchSums sums(setting.params);
+  for (const BatchSums& tile : results) sums.add(tile.values());
+  return sums;
+}
+
+/// Every n-th tile from a random start.
+std::vector<int> choose_tiles(const Setting& setting) {
+  const MethodStudyParams& params = setting.params;
+  std::vector<int> tiles;
+  Random random(params.seed, RandomStream::planning, ~uint64_t{0});
+  for (int i = static_cast<int>(random.below(static_cast<uint32_t>(params.tile_stride)));
+       i < tile_count(setting.reference_view); i += params.tile_stride) {
+    tiles.push_back(i);
+  }
+  return tiles;
+}
+
+BatchSums measure_all(const Setting& setting, TrialLog& log, const ProgressCallback& callback) {
+  const std::vector<int> tiles = choose_tiles(setting);
+  std::vector<Runner> runners;  // made when the first batch needs them
+  BatchSums total(setting.params);
+  Progress progress(callback, "study " + setting.scene.name);
+  size_t resumed = 0;
+  for (size_t first = 0; first < tiles.size(); first += batch_tiles) {
+    const size_t count = std::min(batch_tiles, tiles.size() - first);
+    const std::string key = fmt::format("{} tiles from {}", setting.scene.name, first);
+    if (const std::vector<double>* known = log.find(key)) {
+      total.add(*known);
+      resumed = first + count;
+      continue;
+    }
+    for (size_t i = runners.size(); i < setting.params.trials.size(); ++i) {
+      runners.push_back(make_runner(setting, setting.params.trials[i], callback));
+    }
+    total.add(log.add(
+        key, measure_batch(setting, runners, std::span(tiles).subspan(first, count)).values()));
+    progress.update(static_cast<double>(first + count - resumed),
+                    static_cast<double>(tiles.size() - resumed));
+  }
+  return total;
+}
+
+MethodFigure make_figure(const MethodStudyParams& params, BatchSums& sums, size_t trial,
+                         size_t shadow) {
+  const double covered = std::max(1.0, sums.covered());
+  const double* const head = sums.trial(trial);
+  MethodFigure figure;
+  figure.trial = params.trials[trial];
+  figure.shadow = params.shadows[shadow];
+  for (int light = 0; light < params.lights; ++light) {
+    figure.errors.push_back(sums.errors(trial, shadow)[light] / covered);
+  }
+  const MeanInterval interval = mean_interval(figure.errors);
+  figure.error = interval.mean;
+  figure.error_stddev = interval.stddev;
+  figure.error_half_95 = interval.half_95;
+  figure.error_image = figure.error * sums.covered() / std::max(1.0, sums.pixels());
+  figure.reference_mean = sums.reference(shadow) / (3 * params.lights * covered);
+  figure.average_records = head[0] / covered;
+  figure.predicted_error = head[1] / covered;
+  figure.thread_ms_reduce = head[2];
+  figure.covered_pixels = static_cast<int64_t>(sums.covered());
+  return figure;
 }
 
 }  // namespace
 
 std::vector<MethodFigure> study_methods(const Scene& scene, const Tracer& tracer,
-                                        const MethodStudyParams& params,
-                                        const ProgressCallback& callback) {
-  CHECK_MSG(params.lights >= 1 && params.tile_stride >= 1 && !params.trials.empty(),
+                                        const MethodStudyParams& params, TrialLog& log,
+                                        const ProgressCallback& progress) {
+  CHECK_MSG(params.lights >= 1 && params.tile_stride >= 1 && !params.trials.empty() &&
+                !params.shadows.empty(),
             "lights {} stride {}", params.lights, params.tile_stride);
-  const int width = params.width > 0 ? params.width : scene.width;
-  const int height = params.height > 0 ? params.height : scene.height;
-  std::vector<Runner> runners;
-  for (const MethodTrial& trial : params.trials) {
-    runners.push_back(make_runner(scene, tracer, params, trial, width, height, callback));
-  }
-  const ViewSampler reference_view =
-      make_view_sampler(scene, tracer, width, height, params.reference_spp,
-                        params.is_independent ? params.seed + reference_seed_offset : params.seed);
-  const ViewSampler& view = reference_view;
-  std::vector<Light> test_lights;
-  for (int i = 0; i < params.lights; ++i) {
-    test_lights.push_back(interpolate_light(scene.representative_low, scene.representative_high,
-                                            params.seed, static_cast<uint64_t>(i)));
-  }
-  const TrainingSet test = make_training_set(test_lights, view.types.types, view.rays.eye(),
-                                             runners.front().params.scene_radius);
-  std::vector<int> tiles;
-  Random random(params.seed, RandomStream::planning, ~uint64_t{0});
-  for (int i = static_cast<int>(random.below(static_cast<uint32_t>(params.tile_stride)));
-       i < tile_count(view); i += params.tile_stride) {
-    tiles.push_back(i);
-  }
-  std::vector<MethodFigure> figures(runners.size());
-  for (size_t r = 0; r < runners.size(); ++r) {
-    figures[r].trial = runners[r].trial;
-    figures[r].errors.assign(params.lights, 0.0);
-  }
-  double pixels = 0;
-  double reference = 0;
-  Progress progress(callback, "study " + scene.name);
-  std::vector<TileResult> batch;
-  for (size_t first = 0; first < tiles.size(); first += batch_tiles) {
-    batch.assign(std::min(batch_tiles, tiles.size() - first), {});
-    parallel_for(batch.size(), 1, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        batch[i] =
-            measure_tile(runners, reference_view, tiles[first + i], test.evaluator, params.lights);
-      }
-    });
-    for (const TileResult& tile : batch) {
-      pixels += static_cast<double>(tile.pixels);
-      reference += tile.reference;
-      for (size_t r = 0; r < runners.size(); ++r) {
-        MethodFigure& figure = figures[r];
-        const TileSums& sums = tile.trials[r];
-        for (size_t j = 0; j < sums.errors.size(); ++j) figure.errors[j] += sums.errors[j];
-        figure.predicted_error += sums.predicted;
-        figure.average_records += static_cast<double>(sums.records);
-        figure.thread_ms_reduce += sums.reduce_ms;
-        figure.covered_pixels += tile.covered;
-      }
+  const Setting setting = make_setting(scene, tracer, params);
+  BatchSums sums = measure_all(setting, log, progress);
+  std::vector<MethodFigure> figures;
+  for (size_t trial = 0; trial < params.trials.size(); ++trial) {
+    for (size_t shadow = 0; shadow < params.shadows.size(); ++shadow) {
+      figures.push_back(make_figure(params, sums, trial, shadow));
     }
-    progress.update(static_cast<double>(first + batch.size()), static_cast<double>(tiles.size()));
   }
-  for (MethodFigure& figure : figures) finish(figure, pixels, reference);
   return figures;
 }
 
