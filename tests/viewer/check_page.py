@@ -16,6 +16,9 @@ import tempfile
 SMALL = ["spheres", "-q", "--width", "48", "--height", "48", "--lights", "3"]
 STUDIES = {
     "rates": ["--records", "4", "2", "--methods", "kmeans", "pure"],
+    "pictures": ["--records", "2", "--methods", "kmeans", "pure"],
+    "shadows": ["--records", "2", "--methods", "kmeans", "--shadows", "ray", "--truth-spp", "9", "--spp", "4"],
+    "tradeoff": ["--records", "2", "--methods", "kmeans", "--shadows", "ray", "--average-records", "0", "--truth-spp", "9"],
 }
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 

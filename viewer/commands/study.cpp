@@ -10,13 +10,17 @@
 #include "viewer/commands/study_files.h"
 #include "viewer/commands/study_methods.h"
 #include "viewer/commands/study_names.h"
+#include "viewer/commands/study_pictures.h"
 #include "viewer/commands/study_shadows.h"
+#include "viewer/commands/study_tradeoff.h"
 
 namespace relume {
 namespace {
 
 std::vector<std::string> own_scenes(const std::string& study) {
-  if (study == "rates" || study == "lights") return {"hair", "plants"};
+  if (study == "smooth") return {"spheres"};
+  if (study == "rates" || study == "lights" || study == "tradeoff" || study == "pictures")
+    return {"hair", "plants"};
   return {"hair", "plants", "spheres"};
 }
 
@@ -68,6 +72,14 @@ void run_shadows(StudyOptions options, const CommonOptions& common) {
   write_study_page(*options.output, "shadows", pictures);
 }
 
+StudyResult measure(const StudyOptions& options, const CommonOptions& common, TrialLog& log) {
+  if (options.name == "tradeoff") return run_tradeoff_study(options, common, log);
+  if (options.name == "pictures" || options.name == "smooth") {
+    return run_picture_study(options, common);
+  }
+  return run_method_study(options, common, log);
+}
+
 void run_one(StudyOptions options, const CommonOptions& common) {
   if (options.scenes.empty()) options.scenes = own_scenes(options.name);
   if (options.name == "shadows") return run_shadows(options, common);
@@ -80,7 +92,7 @@ void run_one(StudyOptions options, const CommonOptions& common) {
                  log.resumed());
     }
   }
-  const StudyResult result = run_method_study(options, common, log);
+  const StudyResult result = measure(options, common, log);
   if (common.json) fmt::print("{}", format_study(result, common));
   if (options.output) write_study(*options.output, result, common);
   log.remove();

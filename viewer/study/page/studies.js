@@ -150,11 +150,63 @@ function layoutShadows() {
     "that move.", parts };
 }
 
+function layoutPictures() {
+  const sets = groupBy(study.pictures, (p) => p.set);
+  const parts = [];
+  for (const [scene, names] of groupBy([...sets.keys()], (name) => name.split(", ")[0])) {
+    parts.push(heading(scene), side(...names.map((name) => pictures({ title: name, items: sets.get(name) }))));
+  }
+  parts.push(heading("All figures"), table({ rows: study.rows, columns: [sceneColumn, shadowColumn, methodColumn, recordsColumn, errorColumn,
+    { label: "error, scene units", value: (r) => r.error }, { label: "largest, scene units", value: (r) => r.error_max }] }));
+  const lead = study.schema.includes("smooth")
+    ? "TR2007-600, figure 3: a scene of large smooth objects alone, 25 samples a pixel reduced to 2. The report found that Light Metric 4 " +
+      "does worse here than PURE, while K-means and Light Metric 1 have no error."
+    : "TR2007-600, figures 1 and 8 to 13: each scene under its own lights, all samples beside reduced records.";
+  return { title: study.schema.includes("smooth") ? "smooth surfaces" : "pictures", lead: `${lead} Drag over a picture to wipe between the two ` +
+    "chosen; a click on a small one puts it on the right. Maps of the error share one scale, 0 to 0.1 in scene units: ten times enlarged.", parts };
+}
+
+const methodSymbols = {
+  "all": "star", "pure": "x", "kmeans": "square-open", "strong-kmeans": "square", "light-fit-fast": "diamond", "light-fit": "circle",
+};
+
+function layoutTradeoff() {
+  const parts = [];
+  for (const [scene, rows] of groupBy(study.rows, (r) => r.scene)) {
+    const xy = (own) => ({ x: own.map((r) => r.ms_light), y: own.map(relative), text: own.map((r) => r.setting) });
+    const traced = rows.filter((r) => r.format === "traced");
+    const series = [...groupBy(rows.filter((r) => r.format !== "traced"), (r) => `shadows ${r.shadow}`)].map(([name, own]) => ({
+      name, kind: "points", color: shadowColors[own[0].shadow], symbol: own.map((r) => methodSymbols[r.method] ?? "cross"),
+      opacity: own.map((r) => (r.pixels === "all" ? 1 : 0.45)), ...xy(own) }));
+    series.push({ name: "traced anew, 1 to 64 samples", kind: "line", color: themeColor("--ink"), dash: "dot", ...xy(traced) });
+    const front = rows.filter((r) => r.pareto).sort((a, b) => a.ms_light - b.ms_light);
+    series.push({ name: "Pareto front", kind: "line", color: "#d55e00", shape: "hv", symbol: "circle-open", ...xy(front) });
+    const size = `${rows[0].width} x ${rows[0].height}`;
+    parts.push(heading(scene), plot({ title: `${scene}, ${size}: error against time`, x: "milliseconds a light move", y: "error, %", series,
+      logX: true, logY: true, height: 560, note: `Error: eq. 7 over covered pixels against ${rows[0].truth_spp} traced samples a pixel, in ` +
+        "percent of the truth's mean. Squares: strong-kmeans, diamonds and circles: light-fit, crosses: pure, stars: all samples; pale: a " +
+        "quarter of the pixels, the others filled in. On the front no other setting is both faster and closer." }));
+    const choices = study.recommended.filter((r) => r.scene === scene);
+    parts.push(table({ rows: choices, columns: [{ label: "a move may take", value: (r) => r.limit },
+      { label: "setting", value: (r) => r.setting + (r.within ? "" : " (the fastest, and too slow)") }, errorColumn,
+      { label: "ms a light", value: (r) => r.ms_light }] }));
+  }
+  parts.push(heading("All figures"), table({ rows: study.rows, columns: [sceneColumn, { label: "setting", value: (r) => r.setting }, errorColumn, halfColumn,
+    { label: "ms a light", value: (r) => r.ms_light }, { label: "prepare, s", value: (r) => (r.ms_prepare ? r.ms_prepare / 1e3 : null) },
+    { label: "records a pixel", value: (r) => r.average_records || null }, { label: "cache, MiB", value: (r) => (r.cache_bytes ? r.cache_bytes / 2 ** 20 : null) },
+    { label: "Pareto", value: (r) => r.pareto }] }));
+  return { title: "error against time", lead: "What a setting costs per light move and how far its picture is from the truth, beside tracing " +
+    "everything anew with Embree in the same run. Times are wall times of all threads on this machine; compare them within the page.", parts };
+}
+
 const layouts = {
   "relume-study-methods-1": layoutMethods,
   "relume-study-rates-1": layoutRates,
   "relume-study-lights-1": layoutLights,
+  "relume-study-smooth-1": layoutPictures,
+  "relume-study-pictures-1": layoutPictures,
   "relume-study-shadows-1": layoutShadows,
+  "relume-study-tradeoff-1": layoutTradeoff,
 };
 
 show(layouts[study.schema]());

@@ -216,7 +216,7 @@ function pictures({ title, items }) {
       selects[1].dispatchEvent(new Event("change"));
     } }), element("figcaption", {}, item.name, item.about ? element("div", {}, item.about) : [])));
   return element("div", { class: "card" }, element("div", { class: "tools" }, element("h3", {}, title),
-    element("span", {}, selects[0], " | ", selects[1])), wipe, element("div", { class: "thumbs" }, thumbs));
+    element("span", { class: "buttons" }, selects)), wipe, element("div", { class: "thumbs" }, thumbs));
 }
 
 const heading = (text) => element("h2", {}, text);
