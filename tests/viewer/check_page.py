@@ -19,6 +19,7 @@ STUDIES = {
     "pictures": ["--records", "2", "--methods", "kmeans", "pure"],
     "shadows": ["--records", "2", "--methods", "kmeans", "--shadows", "ray", "--truth-spp", "9", "--spp", "4"],
     "tradeoff": ["--records", "2", "--methods", "kmeans", "--shadows", "ray", "--average-records", "0", "--truth-spp", "9"],
+    "stability": ["--records", "2", "--spp", "4"],
 }
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 

@@ -12,12 +12,14 @@
 #include "viewer/commands/study_names.h"
 #include "viewer/commands/study_pictures.h"
 #include "viewer/commands/study_shadows.h"
+#include "viewer/commands/study_stability.h"
 #include "viewer/commands/study_tradeoff.h"
 
 namespace relume {
 namespace {
 
 std::vector<std::string> own_scenes(const std::string& study) {
+  if (study == "stability") return {"hair", "spheres"};
   if (study == "smooth") return {"spheres"};
   if (study == "rates" || study == "lights" || study == "tradeoff" || study == "pictures")
     return {"hair", "plants"};
@@ -74,6 +76,7 @@ void run_shadows(StudyOptions options, const CommonOptions& common) {
 
 StudyResult measure(const StudyOptions& options, const CommonOptions& common, TrialLog& log) {
   if (options.name == "tradeoff") return run_tradeoff_study(options, common, log);
+  if (options.name == "stability") return run_stability_study(options, common, log);
   if (options.name == "pictures" || options.name == "smooth") {
     return run_picture_study(options, common);
   }

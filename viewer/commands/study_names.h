@@ -20,6 +20,7 @@ inline constexpr std::array study_names = {
     StudyName{"pictures", "figures 1 and 8 to 13: pictures and maps of their error"},
     StudyName{"shadows", "shadow methods against a traced truth"},
     StudyName{"tradeoff", "error against milliseconds a light move; what to choose"},
+    StudyName{"stability", "scale, distance, exponent, intensity, thinness against double numbers"},
     StudyName{"all", "all of the above"},
 };
 

@@ -199,6 +199,22 @@ function layoutTradeoff() {
     "everything anew with Embree in the same run. Times are wall times of all threads on this machine; compare them within the page.", parts };
 }
 
+function layoutStability() {
+  const parts = [];
+  for (const [extreme, rows] of groupBy(study.rows.filter((r) => r.value > 0), (r) => r.extreme)) {
+    const series = [...groupBy(rows, (r) => r.scene)].map(([scene, own], i) => ({ name: scene, kind: "line",
+      color: ["#0072b2", "#e69f00", "#009e73"][i % 3], x: own.map((r) => r.value), y: own.map((r) => r.error_relative) }));
+    parts.push(plot({ title: extreme, x: extreme, y: "kernels against double, relative", series, logX: true, logY: true, ticks: unique(rows.map((r) => r.value)), limits: [1e-8, 1e-2], height: 300 }));
+  }
+  const columns = ["value", "covered_pixels", "error_relative", "error_max", "error_reduced", "visibility", "replaced_values", "non_finite_values"];
+  return { title: "stability", lead: "Scenes taken to extremes: what single precision loses against the same samples in double precision, whether " +
+    "reduction and shadow rays still do what they did, and whether anything but finite numbers leaves.", parts: [side(...parts), heading("All figures"),
+    table({ rows: study.rows, columns: [sceneColumn, { label: "extreme", value: (r) => r.extreme },
+      ...columns.map((key) => ({ label: key.replaceAll("_", " "), value: (r) => r[key] }))] }),
+    paragraph("error relative: eq. 7 of the kernels' picture against the double reference, over the picture's mean; error max: the largest of a pixel, " +
+      "of its own value; error reduced: strong K-means against all samples; visibility: mean over covered pixels, one ray a sample.", "note")] };
+}
+
 const layouts = {
   "relume-study-methods-1": layoutMethods,
   "relume-study-rates-1": layoutRates,
@@ -207,6 +223,7 @@ const layouts = {
   "relume-study-pictures-1": layoutPictures,
   "relume-study-shadows-1": layoutShadows,
   "relume-study-tradeoff-1": layoutTradeoff,
+  "relume-study-stability-1": layoutStability,
 };
 
 show(layouts[study.schema]());

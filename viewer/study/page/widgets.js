@@ -17,7 +17,7 @@ function shortNumber(value) {
   if (value === null || value === undefined || Number.isNaN(value)) return "";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size >= 1e6 || size < 1e-4) return value.toExponential(2);
+  if (size >= 1e6 || size < 1e-4) return value.toExponential(2).replace(/\.?0+e/, "e").replace("e+", "e");
   if (size >= 100) return String(Math.round(value));
   return String(Number(value.toPrecision(3)));
 }
@@ -78,15 +78,22 @@ function makeTrace(series) {
 /** Touch screens scroll the page with the finger that would zoom: there zooming is switched on first. */
 const isTouch = matchMedia("(pointer: coarse)").matches;
 
-function makeAxis(base, text, isLog, values) {
-  const axis = { ...base, title: { text }, automargin: true };
-  if (!isLog) return { ...axis, rangemode: "tozero" };
-  if (values) return { ...axis, type: "log", tickvals: values, ticktext: values.map(shortNumber) };
-  return { ...axis, type: "log", dtick: "D2" };
+/** Steps between the labels of a log axis: decades, or 1, 2 and 5 where there are few of them. */
+function logStep(values) {
+  const positive = values.filter((value) => value > 0);
+  return Math.max(...positive) > 1000 * Math.min(...positive) ? 1 : "D2";
 }
 
-/** A plot to zoom into by dragging; a double click shows all again. `ticks`: x values to label on a log axis. */
-function plot({ title, x, y, series, logX = false, logY = false, ticks, note, height = 400 }) {
+function makeAxis(base, text, isLog, values, ticks) {
+  const axis = { ...base, title: { text }, automargin: true, exponentformat: "power" };
+  if (!isLog) return { ...axis, rangemode: "tozero" };
+  if (ticks) return { ...axis, type: "log", tickvals: ticks, ticktext: ticks.map(shortNumber) };
+  return { ...axis, type: "log", dtick: logStep(values) };
+}
+
+/** A plot to zoom into by dragging; a double click shows all again. `ticks`: x values to label on a log axis;
+ *  `limits`: of y. */
+function plot({ title, x, y, series, logX = false, logY = false, ticks, limits, note, height = 400 }) {
   const place = element("div", { class: "plot" });
   const theme = themeLayout();
   const layout = {
@@ -96,15 +103,16 @@ function plot({ title, x, y, series, logX = false, logY = false, ticks, note, he
     barmode: "group",
     dragmode: isTouch ? false : "zoom",
     legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
-    xaxis: makeAxis(theme.xaxis, x, logX, ticks),
-    yaxis: makeAxis(theme.yaxis, y, logY),
+    xaxis: makeAxis(theme.xaxis, x, logX, series.flatMap((one) => one.x), ticks),
+    yaxis: makeAxis(theme.yaxis, y, logY, limits ?? series.flatMap((one) => one.y)),
   };
+  if (limits) layout.yaxis.range = logY ? limits.map(Math.log10) : limits;
   if (!logX) delete layout.xaxis.rangemode;
   const button = (label, change) => element("button", { type: "button", onclick: () => Plotly.relayout(place, change()) }, label);
   const tools = [
     button("log", () => {
       const isLog = place.layout.yaxis.type === "log";
-      return { "yaxis.type": isLog ? "linear" : "log", "yaxis.dtick": isLog ? null : "D2", "yaxis.autorange": true };
+      return { "yaxis.type": isLog ? "linear" : "log", "yaxis.dtick": isLog ? null : logStep(series.flatMap((one) => one.y)), "yaxis.autorange": true };
     }),
     button("all", () => ({ "xaxis.autorange": true, "yaxis.autorange": true })),
   ];
