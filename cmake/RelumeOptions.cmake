@@ -21,5 +21,6 @@ target_compile_options(relume_options INTERFACE
 if(RELUME_SANITIZE)
   target_compile_options(relume_options INTERFACE -fsanitize=${RELUME_SANITIZE}
     -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_definitions(relume_options INTERFACE RELUME_SANITIZED)
   target_link_options(relume_options INTERFACE -fsanitize=${RELUME_SANITIZE})
 endif()

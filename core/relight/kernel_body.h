@@ -128,11 +128,19 @@ void prefetch_next(uintptr_t& ahead) {
   ahead += bytes;
 }
 
+/// Loop bodies are one straight piece of code. Not under a sanitizer, whose checks would make that
+/// piece too large to compile.
+#if defined(RELUME_SANITIZED)
+#define RELUME_FLATTEN
+#else
+#define RELUME_FLATTEN [[gnu::flatten]]
+#endif
+
 /// Shades slots of one shader under `count` lights. A lane's sum goes in the list's order.
-/// Flattened: the loop body is one straight piece of code, whose chains overlap.
+/// Flattened, so that the chains of a loop body overlap.
 template <class Shader, CacheFormat format, LightKernel kind, int count>
-[[gnu::flatten]] void shade_slots(const SlotList& list, const ViewAxes& axes,
-                                  const KernelLight* lights) {
+RELUME_FLATTEN void shade_slots(const SlotList& list, const ViewAxes& axes,
+                                const KernelLight* lights) {
   constexpr int packs = packs_together(count);
   constexpr int parts = lanes / native_width < packs ? lanes / native_width : packs;
   constexpr int slots = packs / parts;
