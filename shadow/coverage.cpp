@@ -14,10 +14,14 @@ namespace {
 constexpr size_t group_count = 32;
 /// Primitives that are looked at in one go, the first time; those that reach a receiver are held.
 /// What they make dark, the later ones skip.
-constexpr uint64_t first_round_primitives = uint64_t{1} << 18;
+constexpr uint64_t first_round_primitives = uint64_t{1} << 16;
 /// Each time it is so many more, up to a limit.
-constexpr double round_growth = 1.2;
+constexpr double round_growth = 1.3;
 constexpr uint64_t round_primitives = uint64_t{2} << 20;
+/// As in make_thin_geometry.
+constexpr float max_thin_width_px = 32;
+/// To draw a triangle costs about as much as so many rays.
+constexpr uint64_t receivers_per_drawn_triangle = 4;
 /// Marks receivers that rays have to decide.
 constexpr float undecided = -1;
 
@@ -31,7 +35,8 @@ uint64_t primitive_count(const ThinGeometry& geometry, const ProjectionWork& wor
 CoverageVisibility::CoverageVisibility(const Tracer& tracer, const RelightCache& cache,
                                        InstructionSet set)
     : view_(cache),
-      geometry_(make_thin_geometry(tracer.scene(), cache.info().height)),
+      geometry_(make_thin_geometry(tracer.scene(), cache.info().height, max_thin_width_px,
+                                   view_.count() / receivers_per_drawn_triangle)),
       all_rays_(tracer),
       kernels_(coverage_kernels(choose_instruction_set(set))),
       receivers_(learn_receivers(view_, tracer, geometry_)),

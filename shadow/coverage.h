@@ -35,6 +35,8 @@ class CoverageVisibility final : public VisibilitySource {
   std::span<const float> all_visibility() const override { return visibility_; }
 
   const CoverageStats& stats() const { return stats_; }
+  /// Whether solids are asked by rays; else there are none, or so few that they are drawn.
+  bool traces_solids() const { return solids_.has_value(); }
 
  private:
   void rasterise(const LightViews& lights);

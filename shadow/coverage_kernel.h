@@ -17,6 +17,9 @@ enum CoverageArray {
   array_z,
   array_zu,
   array_zv,
+  array_reach_u,   ///< half the footprint's extent in u,
+  array_reach_v,   ///< in v
+  array_far,       ///< and the farthest depth that an occluder in front of it may have
   array_softness,  ///< 1 / (2 half the spread): occluders are counted from -1/2 to 1/2 of it
   array_l0,
   array_l1,
@@ -78,6 +81,8 @@ struct CoveragePrimitive {
   float opacity;   ///< of a triangle, (0, 1]; 0 = a segment: u[2] and v[2] are its half widths
   uint32_t piece;  ///< parts of one piece do not overlap
   bool is_sheet;   ///< nor do those that wind one way and those that wind the other
+  bool has_plane;  ///< depth is plane[0] u + plane[1] v + plane[2]; else as at the corners
+  float plane[3];
 };
 
 /// Blocks and what may shade them.

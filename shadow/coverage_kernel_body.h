@@ -115,6 +115,11 @@ inline void project_lanes(const Gathered& in, const CoverageView& view, int lane
   store(array_z, z);
   store(array_zu, zu);
   store(array_zv, zv);
+  const F reach_u = F(root_three) * l0;
+  const F reach_v = F(root_three) * (absolute(l1) + l2);
+  store(array_reach_u, reach_u);
+  store(array_reach_v, reach_v);
+  store(array_far, z + fma(absolute(zu), reach_u, fma(absolute(zv), reach_v, spread)));
   store(array_softness, reciprocal(F(2) * spread));
   store(array_l0, F(root_three) * l0);
   store(array_l1, F(root_three) * l1);
@@ -134,20 +139,17 @@ inline void project_lanes(const Gathered& in, const CoverageView& view, int lane
 /// Bounds of a block's footprints.
 inline void bound_block(const float* block, int count, const CoverageBounds& bounds) {
   const auto at = [&](int array, int lane) { return block[array * lanes + lane]; };
-  const auto magnitude = [](float x) { return x < 0 ? -x : x; };
   for (int lane = 0; lane < count; ++lane) {
     const float u = at(array_u, lane);
     const float v = at(array_v, lane);
-    const float extent_u = at(array_l0, lane);
-    const float extent_v = magnitude(at(array_l1, lane)) + at(array_l2, lane);
-    const float reach = magnitude(at(array_zu, lane)) * extent_u +
-                        magnitude(at(array_zv, lane)) * extent_v + 0.5f / at(array_softness, lane);
+    const float reach_u = at(array_reach_u, lane);
+    const float reach_v = at(array_reach_v, lane);
+    const float z = at(array_far, lane);
     const bool first = lane == 0;
-    *bounds.u_low = first ? u - extent_u : least(*bounds.u_low, u - extent_u);
-    *bounds.u_high = first ? u + extent_u : most(*bounds.u_high, u + extent_u);
-    *bounds.v_low = first ? v - extent_v : least(*bounds.v_low, v - extent_v);
-    *bounds.v_high = first ? v + extent_v : most(*bounds.v_high, v + extent_v);
-    const float z = at(array_z, lane) + reach;
+    *bounds.u_low = first ? u - reach_u : least(*bounds.u_low, u - reach_u);
+    *bounds.u_high = first ? u + reach_u : most(*bounds.u_high, u + reach_u);
+    *bounds.v_low = first ? v - reach_v : least(*bounds.v_low, v - reach_v);
+    *bounds.v_high = first ? v + reach_v : most(*bounds.v_high, v + reach_v);
     *bounds.z_high = first ? z : most(*bounds.z_high, z);
   }
 }
@@ -272,9 +274,15 @@ inline bool make_triangle(const CoveragePrimitive& p, Triangle& t) {
   if (!((area < 0 ? -area : area) > 1e-7f * scale)) return false;
   const float z1 = p.z[1] - p.z[0];
   const float z2 = p.z[2] - p.z[0];
-  t.z0 = p.z[0];
-  t.zu = (z1 * v2 - z2 * v1) / area;
-  t.zv = (z2 * u1 - z1 * u2) / area;
+  if (p.has_plane) {
+    t.zu = p.plane[0];
+    t.zv = p.plane[1];
+    t.z0 = p.plane[2] + t.zu * p.u[0] + t.zv * p.v[0];
+  } else {
+    t.z0 = p.z[0];
+    t.zu = (z1 * v2 - z2 * v1) / area;
+    t.zv = (z2 * u1 - z1 * u2) / area;
+  }
   t.z_low = least(p.z[0], least(p.z[1], p.z[2]));
   t.z_high = most(p.z[0], most(p.z[1], p.z[2]));
   t.opacity = p.opacity;
@@ -368,6 +376,8 @@ inline void shade_triangle(const Footprints& receivers, const Triangle& t) {
   receivers.store(array_back, fma(max(F(0) - area, F(0)), weight, receivers.load(array_back)));
 }
 
+constexpr unsigned all_lanes = (1u << (native_width - 1) << 1) - 1u;
+
 /// Bounds of a primitive, for the test against blocks.
 struct Box {
   float u_low, u_high, v_low, v_high, z_low;
@@ -391,6 +401,32 @@ inline Box make_box(const CoveragePrimitive& p) {
     box.v_high += half;
   }
   return box;
+}
+
+/// Whether the box reaches one of the lanes' footprints.
+inline bool reaches(const Footprints& receivers, const Box& box) {
+  const F u = absolute(receivers.load(array_u) - F(0.5f * (box.u_low + box.u_high)));
+  const F v = absolute(receivers.load(array_v) - F(0.5f * (box.v_low + box.v_high)));
+  const F apart_u = u - receivers.load(array_reach_u) - F(0.5f * (box.u_high - box.u_low));
+  const F apart_v = v - receivers.load(array_reach_v) - F(0.5f * (box.v_high - box.v_low));
+  const F apart = max(max(apart_u, apart_v), F(box.z_low) - receivers.load(array_far));
+  return bits_of(apart > F(0)) != all_lanes;
+}
+
+/// Whether the segment reaches one of the lanes' footprints, along, across and in depth.
+inline bool reaches(const Footprints& receivers, const Segment& s, float half, float z_low) {
+  const F u = receivers.load(array_u) - F(s.u0);
+  const F v = receivers.load(array_v) - F(s.v0);
+  const F reach_u = receivers.load(array_reach_u);
+  const F reach_v = receivers.load(array_reach_v);
+  const float du = most(s.du, -s.du);
+  const float dv = most(s.dv, -s.dv);
+  const F across = absolute(v * F(s.du) - u * F(s.dv));
+  const F along = absolute(fma(u, F(s.du), fma(v, F(s.dv), F(-0.5f * s.length))));
+  const F apart_across = across - fma(reach_u, F(dv), fma(reach_v, F(du), F(half)));
+  const F apart_along = along - fma(reach_u, F(du), fma(reach_v, F(dv), F(0.5f * s.length)));
+  const F apart = max(max(apart_across, apart_along), F(z_low) - receivers.load(array_far));
+  return bits_of(apart > F(0)) != all_lanes;
 }
 
 /// Half planes a u + b v <= c that hold the primitive: two for a segment, three for a triangle.
@@ -442,8 +478,7 @@ inline unsigned reached_blocks(const CoverageBounds& bounds, int first, const Bo
     const F v = F(sides.b[i]) * (sides.b[i] > 0 ? v_low : v_high);
     apart = max(apart, u + v - F(sides.c[i]));
   }
-  const unsigned all = (1u << (native_width - 1) << 1) - 1u;
-  return ~bits_of(apart > F(0)) & all;
+  return ~bits_of(apart > F(0)) & all_lanes;
 }
 
 inline void flush_block(float* block, bool is_sheet) {
@@ -463,7 +498,18 @@ inline void retire(const CoverageBounds& bounds, int block) {
   bounds.z_high[block] = dark_depth;
 }
 
+/// Whether `reaches` is true of a lane of the block.
+template <class Reaches>
+bool is_any_reached(float* block, const Reaches& reaches_lanes) {
+  for (int lane = 0; lane < lanes; lane += native_width) {
+    if (reaches_lanes(Footprints{block, lane})) return true;
+  }
+  return false;
+}
+
 inline constexpr int max_task_blocks = 64;
+/// Primitives lie anywhere: they are asked for so many before their turn.
+constexpr uint64_t fetch_ahead = 8;
 
 inline void shade(CoverageTask& task) {
   uint32_t last_piece[max_task_blocks];
@@ -473,6 +519,11 @@ inline void shade(CoverageTask& task) {
     last_is_sheet[b] = false;
   }
   for (uint64_t i = 0; i < task.count; ++i) {
+    if (i + fetch_ahead < task.count) {
+      const CoveragePrimitive* next = &task.primitives[task.order[i + fetch_ahead]];
+      __builtin_prefetch(next);
+      __builtin_prefetch(reinterpret_cast<const char*>(next + 1) - 1);
+    }
     const CoveragePrimitive& primitive = task.primitives[task.order[i]];
     const bool is_triangle = primitive.opacity > 0;
     Segment segment{};
@@ -493,21 +544,28 @@ inline void shade(CoverageTask& task) {
       for (; reached != 0; reached &= reached - 1) {
         const int b = first + __builtin_ctz(reached);
         float* block = task.blocks + static_cast<int64_t>(b) * coverage_block_floats;
-        if (last_piece[b] != primitive.piece) {
-          flush_block(block, last_is_sheet[b]);
-          last_piece[b] = primitive.piece;
-          last_is_sheet[b] = primitive.is_sheet;
-          if (is_dark(block)) {
-            retire(task.bounds, b);
-            continue;
-          }
-        }
         task.tests += lanes;
-        for (int lane = 0; lane < lanes; lane += native_width) {
-          if (is_triangle) {
-            shade_triangle({block, lane}, triangle);
-          } else {
-            shade_segment({block, lane}, segment);
+        const bool is_reached = is_any_reached(block, [&](const Footprints& receivers) {
+          return is_triangle
+                     ? reaches(receivers, box)
+                     : reaches(receivers, segment, most(primitive.u[2], primitive.v[2]), box.z_low);
+        });
+        if (is_reached) {
+          if (last_piece[b] != primitive.piece) {
+            flush_block(block, last_is_sheet[b]);
+            last_piece[b] = primitive.piece;
+            last_is_sheet[b] = primitive.is_sheet;
+            if (is_dark(block)) {
+              retire(task.bounds, b);
+              continue;
+            }
+          }
+          for (int lane = 0; lane < lanes; lane += native_width) {
+            if (is_triangle) {
+              shade_triangle({block, lane}, triangle);
+            } else {
+              shade_segment({block, lane}, segment);
+            }
           }
         }
       }

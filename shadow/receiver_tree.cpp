@@ -8,7 +8,7 @@ namespace relume {
 namespace {
 
 constexpr size_t chunk_size = 8192;
-constexpr uint32_t leaf_receivers = 512;
+constexpr uint32_t leaf_receivers = 1024;
 constexpr uint32_t most_leaf_receivers = 1024;
 constexpr int morton_bits = 26;
 constexpr int size_bits = 2;

@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-constexpr uint32_t chunk_primitives = 1024;
+constexpr uint32_t chunk_primitives = 512;
 /// Points of a cut-out triangle that its mask is asked at: a lattice of this many rows.
 constexpr int mask_rows = 6;
 
@@ -169,6 +169,31 @@ void make_chunks(ThinShape& shape) {
   finish();
 }
 
+/// Ten bits an axis of a place in a box, interleaved.
+uint32_t morton_code(const Bounds& box, vec3 p) {
+  uint32_t code = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float extent = std::max(box.high[axis] - box.low[axis], 1e-30f);
+    const float at = std::clamp((p[axis] - box.low[axis]) / extent, 0.0f, 1.0f);
+    const auto cell = static_cast<uint32_t>(at * 1023);
+    for (uint32_t bit = 0; bit < 10; ++bit) {
+      code |= ((cell >> bit) & 1u) << (3 * bit + static_cast<uint32_t>(axis));
+    }
+  }
+  return code;
+}
+
+/// Strands that stand near each other become neighbours, so that chunks are small.
+void sort_by_root(ThinShape& shape) {
+  Bounds box;
+  const auto root = [&](const ThinPiece& piece) {
+    return vec3(shape.vertices[piece.first_vertex]);
+  };
+  for (const ThinPiece& piece : shape.pieces) box.extend(root(piece));
+  std::ranges::stable_sort(shape.pieces, {},
+                           [&](const ThinPiece& piece) { return morton_code(box, root(piece)); });
+}
+
 ThinShape make_strands(const Curves& curves) {
   ThinShape shape;
   shape.is_strands = true;
@@ -176,6 +201,7 @@ ThinShape make_strands(const Curves& curves) {
   for (size_t i = 0; i + 1 < curves.offsets.size(); ++i) {
     shape.pieces.push_back({curves.offsets[i], curves.offsets[i + 1] - curves.offsets[i], 0, 0});
   }
+  sort_by_root(shape);
   make_chunks(shape);
   return shape;
 }
@@ -193,8 +219,9 @@ Mesh cut_mesh(const Mesh& mesh, const std::vector<bool>& keep) {
   return part;
 }
 
-/// Thin pieces of a mesh; `is_solid` marks the other triangles.
-ThinShape make_leaves(const Scene& scene, const Mesh& mesh, double max_width,
+/// Thin pieces of a mesh, and all without a mask if `draws_solids`; `is_solid` marks the other
+/// triangles.
+ThinShape make_leaves(const Scene& scene, const Mesh& mesh, double max_width, bool draws_solids,
                       std::vector<bool>& is_solid) {
   ThinShape shape;
   uint32_t count = 0;
@@ -205,10 +232,11 @@ ThinShape make_leaves(const Scene& scene, const Mesh& mesh, double max_width,
   is_solid.assign(mesh.triangles.size(), false);
   bool has_masks = false;
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    is_solid[i] = !(widths[piece_of[i]] < max_width);
+    const bool has_mask = scene.materials[mesh.materials[i]].alpha_texture >= 0;
+    is_solid[i] = !(widths[piece_of[i]] < max_width) && (!draws_solids || has_mask);
     if (is_solid[i]) continue;
     members[piece_of[i]].push_back(i);
-    has_masks |= scene.materials[mesh.materials[i]].alpha_texture >= 0;
+    has_masks |= has_mask;
   }
   shape.piece_of.assign(mesh.triangles.size(), no_piece);
   const std::vector<bool> sheets = find_sheets(mesh, welded, piece_of, count);
@@ -280,9 +308,18 @@ bool uses_masks(const Scene& scene) {
   return false;
 }
 
-}  // namespace
+/// Triangles of all instances.
+uint64_t count_triangles(const Scene& scene) {
+  uint64_t count = 0;
+  for (const Instance& instance : scene.instances) {
+    for (const auto& shape : scene.prototypes[instance.prototype].shapes) {
+      if (const Mesh* mesh = std::get_if<Mesh>(&shape)) count += mesh->triangles.size();
+    }
+  }
+  return count;
+}
 
-ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_width_px) {
+ThinGeometry split_scene(const Scene& scene, int height_px, float max_width_px, bool draws_solids) {
   ThinGeometry geometry;
   const std::vector<double> pixel = pixel_widths(scene, height_px);
   geometry.solids.name = scene.name;
@@ -296,7 +333,7 @@ ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_wid
       ThinShape thin;
       if (const Mesh* mesh = std::get_if<Mesh>(&shape)) {
         std::vector<bool> is_solid;
-        thin = make_leaves(scene, *mesh, pixel[i] * max_width_px, is_solid);
+        thin = make_leaves(scene, *mesh, pixel[i] * max_width_px, draws_solids, is_solid);
         if (std::find(is_solid.begin(), is_solid.end(), true) != is_solid.end()) {
           geometry.solids.prototypes[i].shapes.emplace_back(cut_mesh(*mesh, is_solid));
         }
@@ -323,6 +360,16 @@ ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_wid
   }
   if (uses_masks(geometry.solids)) geometry.solids.textures = scene.textures;
   return geometry;
+}
+
+}  // namespace
+
+ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_width_px,
+                                uint64_t drawn_triangles) {
+  ThinGeometry geometry = split_scene(scene, height_px, max_width_px, false);
+  const uint64_t solids = count_triangles(geometry.solids);
+  if (solids == 0 || solids > drawn_triangles) return geometry;
+  return split_scene(scene, height_px, max_width_px, true);
 }
 
 uint32_t ThinGeometry::piece_at(const Scene& scene, const SurfacePoint& point) const {

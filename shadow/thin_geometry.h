@@ -65,6 +65,10 @@ struct ThinGeometry {
 /// over diameter, is below `max_width_px` pixels of a picture of `height_px` pixels where the
 /// median instance of its prototype stands. A thin triangle whose material is a cut-out counts by
 /// the part of it that the mask leaves.
-ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_width_px = 32);
+///
+/// Where all that is not thin has at most `drawn_triangles` triangles, those without a mask are
+/// drawn like thin pieces.
+ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_width_px = 32,
+                                uint64_t drawn_triangles = 0);
 
 }  // namespace relume

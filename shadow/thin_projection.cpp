@@ -214,7 +214,9 @@ class ChunkProjector {
                     bool is_sheet) {
     vec4 corners[max_corners] = {scratch_.points[a], scratch_.points[b], scratch_.points[c]};
     int count = 3;
+    Plane plane;
     if (!is_within(corners[0]) || !is_within(corners[1]) || !is_within(corners[2])) {
+      plane = find_plane(corners);
       count = cut_polygon(corners, count);
     }
     for (int i = 2; i < count; ++i) {
@@ -225,6 +227,8 @@ class ChunkProjector {
       primitive.opacity = opacity;
       primitive.piece = piece;
       primitive.is_sheet = is_sheet;
+      primitive.has_plane = plane.is_known;
+      std::copy_n(plane.slope, 3, primitive.plane);
       Box box{primitive.u[0], primitive.u[0], primitive.v[0], primitive.v[0], primitive.z[0]};
       for (int j = 1; j < 3; ++j) extend(box, primitive.u[j], primitive.v[j], primitive.z[j]);
       append(primitive, box);
@@ -233,6 +237,29 @@ class ChunkProjector {
 
  private:
   static constexpr int max_corners = 8;  ///< a triangle cut by five planes
+
+  /// z = slope[0] u + slope[1] v + slope[2].
+  struct Plane {
+    bool is_known = false;
+    float slope[3] = {};
+  };
+
+  /// From the corners in space: where a triangle is cut near the light, those of the picture are so
+  /// far away that little is left of their last digits.
+  static Plane find_plane(const vec4* corners) {
+    const auto row = [&](int i) { return dvec3(corners[0][i], corners[1][i], corners[2][i]); };
+    const dvec3 x = row(0);
+    const dvec3 y = row(1);
+    const dvec3 d = row(2);
+    const dvec3 w = row(3);
+    const double volume = glm::dot(x, glm::cross(y, w));
+    const double size = glm::length(x) * glm::length(y) * glm::length(w);
+    if (!(std::abs(volume) > 1e-9 * size)) return {};
+    return {true,
+            {static_cast<float>(glm::dot(d, glm::cross(y, w)) / volume),
+             static_cast<float>(glm::dot(x, glm::cross(d, w)) / volume),
+             static_cast<float>(glm::dot(x, glm::cross(y, d)) / volume)}};
+  }
 
   static void extend(Box& box, float u, float v, float z) {
     box.u_low = std::min(box.u_low, u);

@@ -303,16 +303,20 @@ TEST(Coverage, FarLightsAreParallel) {
 }
 
 TEST(Coverage, SolidsShadeStrandsAndStrandsShadeSolids) {
-  Scene scene = make_meadow();
-  const uint32_t skin = add_material(scene, "lambert");
-  add_shape(scene, make_sphere({0, 1.6f, 0}, 0.7f, 64, skin));
-  const Tracer tracer(scene);
-  const RelightCache cache = make_full_cache(scene, tracer, 9);
-  CoverageVisibility coverage(tracer, cache);
-  const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
-  for (const Light& light : {make_point_light({0, 5, 0.5f}), make_point_light({2, 3, 2})}) {
-    EXPECT_NEAR(mean_of(known_visibility(cache, coverage, light)),
-                mean_of(known_visibility(cache, *rays, light)), 0.012);
+  for (const int rings : {8, 64}) {  // few triangles are drawn, many traced
+    Scene scene = make_meadow();
+    const uint32_t skin = add_material(scene, "lambert");
+    add_shape(scene, make_sphere({0, 1.6f, 0}, 0.7f, rings, skin));
+    const Tracer tracer(scene);
+    const RelightCache cache = make_full_cache(scene, tracer, 9);
+    CoverageVisibility coverage(tracer, cache);
+    const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
+    for (const Light& light : {make_point_light({0, 5, 0.5f}), make_point_light({2, 3, 2})}) {
+      EXPECT_NEAR(mean_of(known_visibility(cache, coverage, light)),
+                  mean_of(known_visibility(cache, *rays, light)), 0.012)
+          << rings;
+      EXPECT_EQ(coverage.traces_solids(), rings == 64);
+    }
   }
 }
 

@@ -63,6 +63,19 @@ TEST(ThinGeometry, KeepsPrototypesOnce) {
   }
 }
 
+TEST(ThinGeometry, DrawsSolidsWhereTheyAreFew) {
+  Scene scene = make_mixed_scene();
+  const uint64_t solids = make_sphere({0, 1, 0}, 0.8f, 16, 0).triangles.size() + 2;
+  EXPECT_EQ(solid_shapes(make_thin_geometry(scene, 64, 8, solids - 1)), 2u);
+  EXPECT_EQ(solid_shapes(make_thin_geometry(scene, 64, 8, solids)), 0u);
+  scene.textures.emplace_back();
+  scene.textures.back().width = scene.textures.back().height = 1;
+  scene.textures.back().texels = {255, 255, 255, 255};
+  for (Material& material : scene.materials) material.alpha_texture = 0;
+  EXPECT_EQ(solid_shapes(make_thin_geometry(scene, 64, 8, solids)), 2u)
+      << "the mean of a large mask is no shadow";
+}
+
 TEST(ThinGeometry, CutOutsCountByThePartThatIsLeft) {
   Scene scene = make_mixed_scene();
   Texture mask;
