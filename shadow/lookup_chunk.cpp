@@ -5,38 +5,44 @@ namespace relume {
 void LookupChunk::load(const Receivers& all, int first_receiver) {
   first = first_receiver;
   count = std::min(lookup_lanes, all.count - first);
-  on_surface = all.normal[0] != nullptr;
   lit_from_behind = all.lit_from_behind;
-  for (int lane = 0; lane < lookup_lanes; ++lane) {
-    const int i = first + std::min(lane, count - 1);
-    for (int axis = 0; axis < 3; ++axis) {
-      position[axis][lane] = all.position[axis][i];
-      if (on_surface) normal[axis][lane] = all.normal[axis][i];
+  const bool is_whole = count == lookup_lanes;
+  const auto take = [&](const float* values, int i) -> const float* {
+    if (values == nullptr) return nullptr;
+    if (is_whole) return values + first;
+    for (int lane = 0; lane < lookup_lanes; ++lane) {
+      copies_[i][lane] = values[first + std::min(lane, count - 1)];
     }
-    bias[lane] = all.bias[i];
-    lit[lane] = lane < count && all.weight[i] > 0 ? 1.0f : 0.0f;
+    return copies_[i];
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    position[axis] = take(all.position[axis], axis);
+    normal[axis] = take(all.normal[axis], 4 + axis);
+  }
+  bias = take(all.bias, 3);
+  for (int lane = 0; lane < lookup_lanes; ++lane) {
+    lit[lane] = lane < count && all.weight[first + std::min(lane, count - 1)] > 0 ? 1.0f : 0.0f;
   }
 }
 
 void LookupChunk::mark_lit(const Light& light, vec3 to_light, float cos_outer) {
-  any_lit = false;
+  const bool one_sided = normal[0] != nullptr && !lit_from_behind;
+  const bool is_parallel = light.type == LightType::directional;
+  const bool has_cone = light.type == LightType::spot;
+  float lit_lanes = 0;
   for (int lane = 0; lane < lookup_lanes; ++lane) {
-    vec3 wi = to_light;
-    if (light.type != LightType::directional) {
-      wi = light.position - vec3(position[0][lane], position[1][lane], position[2][lane]);
+    const vec3 p(position[0][lane], position[1][lane], position[2][lane]);
+    const vec3 wi = is_parallel ? to_light : light.position - p;
+    bool sees = true;
+    if (has_cone) sees = glm::dot(wi, to_light) >= cos_outer * glm::length(wi);
+    if (one_sided) {
+      sees &= glm::dot(vec3(normal[0][lane], normal[1][lane], normal[2][lane]), wi) > 0;
     }
-    bool sees = lit[lane] > 0;
-    if (light.type == LightType::spot) {
-      sees = sees && glm::dot(wi, to_light) >= cos_outer * glm::length(wi);
-    }
-    if (on_surface && !lit_from_behind) {
-      const vec3 n(normal[0][lane], normal[1][lane], normal[2][lane]);
-      sees = sees && glm::dot(n, wi) > 0;
-    }
-    lit[lane] = sees ? 1.0f : 0.0f;
+    lit[lane] = sees ? lit[lane] : 0.0f;
     passed[lane] = 1;
-    any_lit = any_lit || sees;
+    lit_lanes += lit[lane];
   }
+  any_lit = lit_lanes > 0;
 }
 
 Receivers LookupChunk::as_receivers(const float* weights) const {
@@ -45,7 +51,7 @@ Receivers LookupChunk::as_receivers(const float* weights) const {
   receivers.weight = weights;
   for (int axis = 0; axis < 3; ++axis) {
     receivers.position[axis] = position[axis];
-    receivers.normal[axis] = on_surface ? normal[axis] : nullptr;
+    receivers.normal[axis] = normal[axis];
   }
   receivers.bias = bias;
   receivers.lit_from_behind = lit_from_behind;

@@ -10,8 +10,9 @@ inline constexpr int lookup_lanes = 16;
 
 /// Sixteen receivers as lookups take them; every value finite.
 struct LookupReceivers {
-  const float* position[3];  ///< world
-  const float* bias;         ///< world units
+  const float* position[3];     ///< world
+  const float* bias;            ///< world units
+  const float* normal[3] = {};  ///< unit; all null on strands
 };
 
 /// What a lookup needs of a depth map; see LightPlane, which it mirrors, and DepthMap.
@@ -30,17 +31,31 @@ struct DepthLookup {
   float bias_texels;  ///< added to each receiver's bias, in texels at its depth
 };
 
-/// What a march needs of a pyramid of coverage; see VolumeVisibility.
-struct VolumeLookup {
-  static constexpr int max_levels = 5;
-  const uint16_t* coverage[max_levels];  ///< x fastest, 65535 = all; a number more behind the last
-  int size[3];                           ///< cells of the finest level, multiples of 16
-  float origin[3];                       ///< world
+/// A grid of light that was swept from a light outwards; see LightGrid, which it mirrors.
+struct LightGridLookup {
+  const float* cells;  ///< of the light, what leaves each cell on the far side; x fastest
+  int size[3];
+  float origin[3];  ///< world
   float inverse_cell;
   bool parallel;
-  float light[3];  ///< world position, or the unit vector towards a parallel light
-  float gap;       ///< cells along the ray that are skipped at the receiver
-  int steps;       ///< slabs a level, but for the last
+  float light[3];  ///< in cells, or the unit vector towards a parallel light
+  float gap;       ///< cells along the longest axis that are not seen before a receiver
+};
+
+/// A row of cells of a slab and the slab before it, as a sweep takes them. Cell j of the row lies
+/// at first + j * step; the light comes to it from place start + slope * j of the rows before[0]
+/// and before[1], between which it lies at `part`.
+struct SweepRow {
+  int first;
+  int step;
+  int begin;
+  int end;
+  int before[2];
+  float part;
+  float start;
+  float slope;
+  int low;  ///< the cells before that count
+  int high;
 };
 
 struct LookupKernels {
@@ -49,10 +64,14 @@ struct LookupKernels {
   void (*look_up_depth)(const DepthLookup& map, const LookupReceivers& receivers, float* passed);
   /// Sorts lanes by a map of solids: state[lane] = 1 where all 3 x 3 texels around the lane's place
   /// show something nearer to the light than it, by more than the bias; 0 where none shows anything
-  /// nearer; 2 elsewhere. Lanes that the map's view does not hold stay as they are.
+  /// before it, on surfaces before its tangent plane by a twentieth of a texel; 2 elsewhere. Lanes
+  /// that the map's view does not hold stay as they are.
   void (*sort_by_depth)(const DepthLookup& map, const LookupReceivers& receivers, float* state);
-  /// passed[lane] = what the cells between the lane's place and the light let through.
-  void (*march_volume)(const VolumeLookup& volume, const LookupReceivers& receivers, float* passed);
+  /// Cells of a row, each what it lets pass, become what leaves them on the far side.
+  void (*sweep_row)(float* cells, const SweepRow& row);
+  /// passed[lane] = what comes to the lane's place through the grid.
+  void (*look_up_light)(const LightGridLookup& grid, const LookupReceivers& receivers,
+                        float* passed);
 };
 
 /// The kernels of `set` (already chosen, not automatic). Thread-safe, no allocation.

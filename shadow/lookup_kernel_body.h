@@ -85,6 +85,30 @@ inline void look_up_depth(const DepthLookup& map, const LookupReceivers& receive
   }
 }
 
+/// How the nearness of a lane's tangent plane changes from texel to texel; 0 on strands.
+struct PlaneSlope {
+  P u;
+  P v;
+};
+
+inline PlaneSlope plane_slope(const DepthLookup& map, const LookupReceivers& receivers, int lane) {
+  if (receivers.normal[0] == nullptr) return {P(0.0f), P(0.0f)};
+  const Vec3<P> n{P::load(receivers.normal[0] + lane), P::load(receivers.normal[1] + lane),
+                  P::load(receivers.normal[2] + lane)};
+  const auto along = [&](int axis) {
+    return fma(n.x, P(map.axes[axis][0]),
+               fma(n.y, P(map.axes[axis][1]), n.z * P(map.axes[axis][2])));
+  };
+  P down = along(2);
+  if (map.perspective) {
+    const Vec3<P> p = load_positions(receivers, lane);
+    down = fma(n.x, p.x - P(map.origin[0]),
+               fma(n.y, p.y - P(map.origin[1]), n.z * (p.z - P(map.origin[2]))));
+  }
+  const P scale = P(1.0f) / (down * P(map.scale));
+  return {along(0) * scale, along(1) * scale};
+}
+
 inline void sort_by_depth(const DepthLookup& map, const LookupReceivers& receivers, float* state) {
   const P most_u(static_cast<float>(map.width - 3));
   const P most_v(static_cast<float>(map.height - 3));
@@ -95,182 +119,131 @@ inline void sort_by_depth(const DepthLookup& map, const LookupReceivers& receive
     // The texel that holds the place is the middle one.
     const Index x0 = to_int(min(max(at.u - P(1.0f), P(0.0f)), most_u));
     const Index y0 = to_int(min(max(at.v - P(1.0f), P(0.0f)), most_v));
-    P nearest(0.0f);
+    const PlaneSlope slope = plane_slope(map, receivers, lane);
+    const P du = to_float<W>(x0) + P(0.5f) - at.u;
+    const P dv = to_float<W>(y0) + P(0.5f) - at.v;
+    P before(-__builtin_inff());
     P farthest(__builtin_inff());
     for (int j = 0; j < 3; ++j) {
       const Index row = (y0 + j) * map.width + x0;
+      const P down = (dv + P(static_cast<float>(j))) * slope.v;
       for (int i = 0; i < 3; ++i) {
         const P seen = gather<W>(map.texels, row + i);
-        nearest = max(nearest, seen);
+        const P plane = fma(du + P(static_cast<float>(i)), slope.u, down);
+        // The texel's own nearness counts: of two ways to be behind, one is enough.
+        before = max(before, min(seen - plane, seen));
         farthest = min(farthest, seen);
       }
     }
-    const P sorted =
-        select(farthest > at.limit, P(1.0f), select(nearest < at.nearness, P(0.0f), P(2.0f)));
+    const P margin = P(0.05f / map.scale) * (map.perspective ? at.nearness : P(1.0f));
+    const auto nothing = before < at.nearness + (receivers.normal[0] != nullptr ? margin : P(0.0f));
+    const P sorted = select(farthest > at.limit, P(1.0f), select(nothing, P(0.0f), P(2.0f)));
     select(at.inside, sorted, P::load(state + lane)).store(state + lane);
   }
 }
 
-// --- volumes ---
+// --- grids of light ---
 
-/// A ray in cells, its longest axis first and counted upwards.
-struct VolumeRay {
-  P main;  ///< place along the longest axis, mirrored where the ray runs down it
-  P u;
-  P v;
-  P slope_u;  ///< cells along u for each along the longest axis
-  P slope_v;
-  P left;  ///< cells along the longest axis to the light
-  Mask<W> down;
-  Index size_main;
-  Index size_u;
-  Index size_v;
-  Mask<W> main_x;  ///< the longest axis is x
-  Mask<W> main_y;
-};
-
-template <class T, class Select>
-T by_axis(const VolumeRay& ray, T x, T y, T z, const Select& choose) {
-  return choose(ray.main_x, x, choose(ray.main_y, y, z));
+inline P lane_numbers() {
+  float numbers[W];
+  for (int i = 0; i < W; ++i) numbers[i] = static_cast<float>(i);
+  return P::load(numbers);
 }
 
-inline VolumeRay start_ray(const VolumeLookup& volume, Vec3<P> p) {
-  const P inverse(volume.inverse_cell);
-  const auto in_cells = [&](P x, int axis) { return (x - P(volume.origin[axis])) * inverse; };
-  const Vec3<P> cell{in_cells(p.x, 0), in_cells(p.y, 1), in_cells(p.z, 2)};
-  const P away = P(volume.parallel ? 1.0f : 0.0f);
-  const auto towards = [&](P x, int axis) {
-    return volume.parallel ? P(volume.light[axis]) : (P(volume.light[axis]) - x) * inverse;
-  };
-  const Vec3<P> d{towards(p.x, 0), towards(p.y, 1), towards(p.z, 2)};
-  const P ax = abs(d.x);
-  const P ay = abs(d.y);
-  const P az = abs(d.z);
-  VolumeRay ray;
-  ray.main_x = (!(ax < ay)) & (!(ax < az));
-  ray.main_y = !(ay < az);
-  const auto pick = [](Mask<W> m, P a, P b) { return select(m, a, b); };
-  const auto pick_int = [](Mask<W> m, Index a, Index b) { return select_int<W>(m, a, b); };
-  const Index zero{};
-  const Index sx = zero + volume.size[0];
-  const Index sy = zero + volume.size[1];
-  const Index sz = zero + volume.size[2];
-  ray.size_main = by_axis(ray, sx, sy, sz, pick_int);
-  ray.size_u = by_axis(ray, sy, sz, sx, pick_int);
-  ray.size_v = by_axis(ray, sz, sx, sy, pick_int);
-  const P main_d = by_axis(ray, d.x, d.y, d.z, pick);
-  const P length = max(by_axis(ray, ax, ay, az, pick), P(1e-30f));
-  ray.slope_u = by_axis(ray, d.y, d.z, d.x, pick) / length;
-  ray.slope_v = by_axis(ray, d.z, d.x, d.y, pick) / length;
-  const P main = by_axis(ray, cell.x, cell.y, cell.z, pick);
-  ray.down = main_d < P(0.0f);
-  ray.main = select(ray.down, to_float<W>(ray.size_main) - main, main);
-  // Skips the gap, then what lies before the grid.
-  const P stretch = sqrt(fma(ray.slope_u, ray.slope_u, fma(ray.slope_v, ray.slope_v, P(1.0f))));
-  P skip = P(volume.gap) / stretch;
-  skip = max(skip, P(0.0f) - ray.main);
-  ray.main = max(ray.main + skip, P(0.0f));
-  ray.u = fma(ray.slope_u, skip, by_axis(ray, cell.y, cell.z, cell.x, pick));
-  ray.v = fma(ray.slope_v, skip, by_axis(ray, cell.z, cell.x, cell.y, pick));
-  ray.left = select(away > P(0.5f), P(1e30f), length) - skip;
-  return ray;
+inline P mix(P a, P b, P part) {
+  return fma(b - a, part, a);
 }
 
-/// Coverage at (u, v) of a slab of a level, interpolated; 0 beside the grid.
-struct LevelPlace {
-  const uint16_t* coverage;
-  Index stride_main;
-  Index stride_u;
-  Index stride_v;
-  Index size_main;
-  P most_u;  ///< last place that has a neighbour
-  P most_v;
-};
-
-inline P slab_coverage(const LevelPlace& level, Index slab, P u, P v, Mask<W> alive) {
-  const auto inside =
-      alive & (!(u < P(0.0f))) & (!(v < P(0.0f))) & (u < level.most_u) & (v < level.most_v);
-  if (!any(inside)) return P(0.0f);
-  const P safe_u = select(inside, u, P(0.0f));
-  const P safe_v = select(inside, v, P(0.0f));
-  const Index iu = to_int(safe_u);
-  const Index iv = to_int(safe_v);
-  const P fu = safe_u - to_float<W>(iu);
-  const P fv = safe_v - to_float<W>(iv);
-  const Index safe_slab = select_int<W>(inside, slab, Index{});
-  const Index at = safe_slab * level.stride_main + iu * level.stride_u + iv * level.stride_v;
-  const P c00 = gather_short<W>(level.coverage, at);
-  const P c10 = gather_short<W>(level.coverage, at + level.stride_u);
-  const P c01 = gather_short<W>(level.coverage, at + level.stride_v);
-  const P c11 = gather_short<W>(level.coverage, at + level.stride_u + level.stride_v);
-  const P low = fma(c10 - c00, fu, c00);
-  const P high = fma(c11 - c01, fu, c01);
-  return select(inside, fma(high - low, fv, low) * P(1.0f / 65535.0f), P(0.0f));
-}
-
-/// Crosses at most `steps` slabs of level l, lanes whose light is farther than `reach` cells.
-inline void cross_level(const VolumeLookup& volume, int l, int steps, float reach, VolumeRay& ray,
-                        P& pass) {
-  const auto pick_int = [](Mask<W> m, Index a, Index b) { return select_int<W>(m, a, b); };
-  const float scale = static_cast<float>(1 << l);
-  const P inverse(1.0f / scale);
-  const Index zero{};
-  const Index sx = zero + 1;
-  const Index sy = zero + (volume.size[0] >> l);
-  const Index sz = sy * (volume.size[1] >> l);
-  LevelPlace level;
-  level.coverage = volume.coverage[l];
-  level.stride_main = by_axis(ray, sx, sy, sz, pick_int);
-  level.stride_u = by_axis(ray, sy, sz, sx, pick_int);
-  level.stride_v = by_axis(ray, sz, sx, sy, pick_int);
-  level.size_main = ray.size_main >> l;
-  level.most_u = to_float<W>((ray.size_u >> l) - 1);
-  level.most_v = to_float<W>((ray.size_v >> l) - 1);
-  const P end = to_float<W>(level.size_main);
-  for (int s = 0; s < steps; ++s) {
-    const P at = ray.main * inverse;
-    const auto alive = (at < end) & (ray.left > P(reach)) & (pass > P(1e-3f));
-    if (!any(alive)) return;
-    const Index slab = to_int(min(at, end));
-    const P edge = to_float<W>(slab + 1);
-    const P ahead = edge - at;
-    const P part = select(alive, max(min(ahead, ray.left * inverse), P(0.0f)), P(0.0f));
-    const P half = part * P(0.5f * scale);
-    const P u = fma(fma(ray.slope_u, half, ray.u), inverse, P(-0.5f));
-    const P v = fma(fma(ray.slope_v, half, ray.v), inverse, P(-0.5f));
-    const Index own = select_int<W>(ray.down, level.size_main - 1 - slab, slab);
-    const P covered = slab_coverage(level, own, u, v, alive);
-    pass = pass * (P(1.0f) - part * covered);
-    const P moved = part * P(scale);
-    ray.main = select(part < ahead, ray.main + moved, edge * P(scale));
-    ray.u = fma(ray.slope_u, moved, ray.u);
-    ray.v = fma(ray.slope_v, moved, ray.v);
-    ray.left = ray.left - moved;
+inline void sweep_row(float* cells, const SweepRow& row) {
+  const P low(static_cast<float>(row.low));
+  const P high(static_cast<float>(row.high));
+  const P last(static_cast<float>(row.end - 1));
+  for (int j = row.begin; j < row.end; j += W) {
+    const P at = min(lane_numbers() + P(static_cast<float>(j)), last);
+    const P from = min(max(fma(at, P(row.slope), P(row.start)), low), high);
+    const Index near = to_int(from);
+    const P part = from - to_float<W>(near);
+    const Index far = to_int(min(to_float<W>(near) + P(1.0f), high)) * row.step;
+    const Index first = near * row.step;
+    const P upper =
+        mix(gather<W>(cells, first + row.before[0]), gather<W>(cells, far + row.before[0]), part);
+    const P lower =
+        mix(gather<W>(cells, first + row.before[1]), gather<W>(cells, far + row.before[1]), part);
+    const Index own = to_int(at) * row.step + row.first;
+    const P left = gather<W>(cells, own) * mix(upper, lower, P(row.part));
+    if (row.step == 1 && j + W <= row.end) {
+      left.store(cells + row.first + j);
+      continue;
+    }
+    float values[W];
+    left.store(values);
+    for (int i = 0; i < W && j + i < row.end; ++i)
+      cells[row.first + (j + i) * row.step] = values[i];
   }
 }
 
-/// Fine slabs at the receiver, then coarser ones, and finer ones again where the light is near.
-inline void march_lanes(const VolumeLookup& volume, VolumeRay ray, float* passed) {
-  constexpr int coarsest = VolumeLookup::max_levels - 1;
-  constexpr int no_limit = 1 << 20;
-  P pass(1.0f);
-  const auto reach = [&volume](int l) {
-    return l < 0 ? 0.0f : static_cast<float>(volume.steps << l);
+/// Where a ray from `p`, in cells, along `d` first lies between the centres of a grid's outer
+/// cells, in lengths of d; 2^30 where it does not within [first, last].
+inline P enter_grid(const LightGridLookup& grid, Vec3<P> p, Vec3<P> d, P first, P last) {
+  const auto cut = [&](P at, P way, int size) {
+    const P tiny(1e-12f);
+    const P safe = select(abs(way) > tiny, way, tiny);
+    const P a = (P(0.5f) - at) / safe;
+    const P b = (P(static_cast<float>(size) - 0.5f) - at) / safe;
+    first = max(first, min(a, b));
+    last = min(last, max(a, b));
   };
-  for (int l = 0; l < coarsest; ++l) cross_level(volume, l, volume.steps, reach(l), ray, pass);
-  for (int l = coarsest; l >= 0; --l) cross_level(volume, l, no_limit, reach(l - 1), ray, pass);
-  pass.store(passed);
+  cut(p.x, d.x, grid.size[0]);
+  cut(p.y, d.y, grid.size[1]);
+  cut(p.z, d.z, grid.size[2]);
+  return select(first > last, P(0x1p30f), first);
 }
 
-inline void march_volume(const VolumeLookup& volume, const LookupReceivers& receivers,
-                         float* passed) {
+inline void look_up_light(const LightGridLookup& grid, const LookupReceivers& receivers,
+                          float* passed) {
+  const P inverse(grid.inverse_cell);
+  const Index row = Index{} + grid.size[0];
+  const Index slab = row * grid.size[1];
   for (int lane = 0; lane < lookup_lanes; lane += W) {
-    march_lanes(volume, start_ray(volume, load_positions(receivers, lane)), passed + lane);
+    const Vec3<P> world = load_positions(receivers, lane);
+    const auto in_cells = [&](P x, int axis) { return (x - P(grid.origin[axis])) * inverse; };
+    const Vec3<P> p{in_cells(world.x, 0), in_cells(world.y, 1), in_cells(world.z, 2)};
+    const auto towards = [&](P at, int axis) {
+      return grid.parallel ? P(grid.light[axis]) : P(grid.light[axis]) - at;
+    };
+    const Vec3<P> d{towards(p.x, 0), towards(p.y, 1), towards(p.z, 2)};
+    const P length = max(max(abs(d.x), max(abs(d.y), abs(d.z))), P(1e-20f));
+    // What leaves a cell is known half a cell behind its centre.
+    const P skip = P(grid.gap + 0.5f) / length;
+    const P last(grid.parallel ? 0x1p29f : 1.0f);
+    const P t = enter_grid(grid, p, d, min(skip, last), last);
+    const auto seen = t < P(0x1p29f);
+    const P way = select(seen, t, P(0.0f));
+    const auto place = [&](P at, P step, int axis) {
+      const P most(static_cast<float>(grid.size[axis] - 1) - 1e-3f);
+      return min(max(fma(step, way, at) - P(0.5f), P(0.0f)), most);
+    };
+    const P x = place(p.x, d.x, 0);
+    const P y = place(p.y, d.y, 1);
+    const P z = place(p.z, d.z, 2);
+    const Index ix = to_int(x);
+    const Index iy = to_int(y);
+    const Index iz = to_int(z);
+    const P fx = x - to_float<W>(ix);
+    const P fy = y - to_float<W>(iy);
+    const P fz = z - to_float<W>(iz);
+    const Index at = iz * slab + iy * row + ix;
+    const auto along_x = [&](Index first) {
+      return mix(gather<W>(grid.cells, first), gather<W>(grid.cells, first + 1), fx);
+    };
+    const P near = mix(along_x(at), along_x(at + row), fy);
+    const P far = mix(along_x(at + slab), along_x(at + slab + row), fy);
+    select(seen, mix(near, far, fz), P(1.0f)).store(passed + lane);
   }
 }
 
 LookupKernels make_lookup_kernels() {
-  return {look_up_depth, sort_by_depth, march_volume};
+  return {look_up_depth, sort_by_depth, sweep_row, look_up_light};
 }
 
 }  // namespace relume::RELUME_ISA

@@ -5,7 +5,7 @@
 namespace relume {
 namespace {
 
-constexpr uint64_t map_texels = uint64_t{1} << 20;
+constexpr uint64_t map_texels = uint64_t{1} << 18;
 
 /// A receiver this many texels behind what a map shows is dark.
 constexpr float behind_texels = 4;

@@ -1,16 +1,15 @@
 #pragma once
 
 #include "core/relight/visibility.h"
+#include "shadow/light_grid.h"
 #include "shadow/solid_shadow.h"
-#include "shadow/volume_grid.h"
 
 namespace relume {
 
-/// Shadows from voxel coverage. Thin geometry is cut into cells once a scene (VolumeGrid); a light
-/// move turns each cell's area into the fraction of the light's rays through the cell that it stops
-/// and averages that, column by column, into coarser cells; a receiver multiplies what the slabs
-/// of cells between it and the light let pass, fine ones near it, coarser ones farther off. Cost
-/// does not depend on the geometry. Solids are exact (SolidShadow).
+/// Shadows from voxel coverage. Thin geometry is cut into cells once a scene (VolumeGrid). A light
+/// move sweeps the light through them (LightGrid); a receiver takes what comes to its place. The
+/// cost is that of the cells and of one look-up a receiver, whatever the geometry. Solids by rays
+/// where a small map of them leaves a doubt (SolidShadow).
 ///
 /// A cell stops 1 - (1 - c / 2)^2, c = area seen / area of its face with each piece's clumping in
 /// it, so that leaves larger than cells leak less where they lean through several. Between pieces
@@ -32,22 +31,12 @@ class VolumeVisibility final : public VisibilitySource {
   const VolumeGrid& grid() const { return grid_; }
 
  private:
-  struct Level {
-    std::array<int, 3> size{};
-    std::vector<uint32_t> occupied;  ///< coarser levels: cells with geometry below them
-    std::vector<uint16_t> coverage;  ///< 65535 = all; one more than cells
-  };
-
-  void make_levels();
-  void fill_finest();
-  void fill_coarser(int level);
-
   VolumeParams params_;
   LookupKernels kernels_;
   VolumeGrid grid_;
+  LightGrid light_grid_;
   SolidShadow solids_;
-  std::array<Level, VolumeLookup::max_levels> levels_;
-  VolumeLookup lookup_{};
+  LightGridLookup lookup_{};
   Light light_;
   vec3 to_light_{0, 1, 0};  ///< unit, against the light's direction
   float cos_outer_ = 0;     ///< spot

@@ -175,7 +175,11 @@ VolumeGrid make_volume_grid(const SceneStrips& thin, const VolumeParams& params,
   CHECK_MSG(params.max_cells >= 65536 && params.max_cells < uint64_t{1} << 31, "max_cells {}",
             params.max_cells);
   if (thin.empty() || !(box.radius() > 0)) return {};
-  for (uint64_t limit = params.max_cells;; limit = limit * 2 / 3) {
+  bool has_leaves = false;
+  for (size_t i = 0; i < thin.instance_count(); ++i) has_leaves |= thin.has_triangles(i);
+  const uint64_t most =
+      has_leaves ? params.max_cells : std::min(params.max_cells, params.max_strand_cells);
+  for (uint64_t limit = most;; limit = limit * 2 / 3) {
     VolumeGrid grid = place_grid_within(box, limit);
     const uint64_t layer = uint64_t{1} * grid.size[0] * grid.size[1];
     const int layers = static_cast<int>(std::max<uint64_t>(1, chunk_cells / layer));

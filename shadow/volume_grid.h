@@ -8,13 +8,14 @@
 
 namespace relume {
 
-/// How finely thin geometry is cut into cells and marched through. A cell costs 2 bytes, one that
-/// holds geometry 14 more.
+/// How finely thin geometry is cut into cells. A cell costs 4 bytes, one that holds geometry 14
+/// more. Strands are far thinner than any cell: more cells cost time and tell no more about them.
+/// Leaves are not, and gain.
 struct VolumeParams {
-  uint64_t max_cells = 48'000'000;    ///< of the finest level, empty ones included
-  uint64_t max_occupied = 5'000'000;  ///< that hold geometry; the grid coarsens to stay below
-  float gap = 0.5f;                   ///< cells along the ray that are skipped at the receiver
-  int steps = 6;                      ///< slabs that a ray crosses in each level before the next
+  uint64_t max_cells = 8'000'000;         ///< empty ones included
+  uint64_t max_strand_cells = 1'000'000;  ///< where all thin geometry is strands
+  uint64_t max_occupied = 5'000'000;      ///< that hold geometry; the grid coarsens to stay below
+  float gap = 0.25f;                      ///< cells along the ray that a receiver does not see
 };
 
 /// How much more than its area a piece of `width` x `length` cells counts for, >= 1: where it is

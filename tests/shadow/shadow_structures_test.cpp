@@ -2,6 +2,7 @@
 
 #include "core/base/random.h"
 #include "shadow/depth_map.h"
+#include "shadow/light_grid.h"
 #include "shadow/lookup_kernel.h"
 #include "shadow/volume_grid.h"
 #include "tests/support/records.h"
@@ -264,36 +265,87 @@ TEST_P(LookupKernel, DepthMapsAgreeWithScalar) {
   }
 }
 
-TEST_P(LookupKernel, MarchesAgreeWithScalar) {
+TEST_P(LookupKernel, SolidsThatAReceiverLiesOnAreNotBeforeIt) {
+  // A plane seen at a slant: receivers on it are lit, those a texel and more behind it dark.
+  const LookupKernels kernels = lookup_kernels(GetParam());
+  for (const bool perspective : {false, true}) {
+    std::vector<float> texels(64 * 64);
+    DepthLookup map{texels.data(), 64, 64, {}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                    perspective,   30, 32, 32, 10,
+                    0.01f,         2};
+    const vec3 n = glm::normalize(vec3(0.6f, 0.2f, -1));
+    const vec3 anchor(0, 0, 3);
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        const vec3 at((static_cast<float>(x) - 31.5f) / 30, (static_cast<float>(y) - 31.5f) / 30,
+                      1);
+        const float along = glm::dot(n, at) / glm::dot(n, anchor);
+        const float depth = (glm::dot(n, anchor) - n.x * at.x - n.y * at.y) / n.z;
+        texels[64 * y + x] = perspective ? along : map.far - depth;
+      }
+    }
+    float position[3][lookup_lanes];
+    float normal[3][lookup_lanes];
+    const float bias[lookup_lanes] = {};
+    for (const float behind : {0.0f, 1.0f}) {
+      for (int lane = 0; lane < lookup_lanes; ++lane) {
+        const float x = 0.05f * static_cast<float>(lane) - 0.4f;
+        const vec3 on_plane(x, 0.1f, anchor.z - (n.x * x + n.y * 0.1f) / n.z);
+        for (int axis = 0; axis < 3; ++axis) {
+          position[axis][lane] = (on_plane - behind * n)[axis];
+          normal[axis][lane] = n[axis];
+        }
+      }
+      float state[lookup_lanes];
+      std::fill(std::begin(state), std::end(state), 2.0f);
+      kernels.sort_by_depth(
+          map, {{position[0], position[1], position[2]}, bias, {normal[0], normal[1], normal[2]}},
+          state);
+      for (const float sorted : state) EXPECT_EQ(sorted, behind) << perspective;
+    }
+  }
+}
+
+TEST_P(LookupKernel, SweepsAgreeWithScalar) {
   const LookupKernels kernels = lookup_kernels(GetParam());
   const LookupKernels scalar = lookup_kernels(InstructionSet::scalar);
-  VolumeLookup volume{};
-  std::vector<uint16_t> levels[VolumeLookup::max_levels];
-  const int sizes[3] = {48, 32, 64};
-  Random random(6, RandomStream::tests, 0);
-  for (int l = 0; l < VolumeLookup::max_levels; ++l) {
-    levels[l].resize((sizes[0] >> l) * (sizes[1] >> l) * (sizes[2] >> l) + 1);
-    for (uint16_t& code : levels[l]) code = static_cast<uint16_t>(random.below(6000));
-    volume.coverage[l] = levels[l].data();
+  for (const int step : {1, 40}) {
+    std::vector<float> cells(40 * 40);
+    Random random(6, RandomStream::tests, 0);
+    for (float& cell : cells) cell = random.uniform(0, 1);
+    // Rows of 40 cells, from the first row or column to the sixth.
+    const int other = 41 - step;
+    for (int begin = 0; begin < 20; ++begin) {
+      const SweepRow row{5 * other, step, begin, 39 - begin / 2, {3 * other, 4 * other}, 0.3f, 1.1f,
+                         0.93f,     2,    35};
+      std::vector<float> a = cells;
+      std::vector<float> b = cells;
+      kernels.sweep_row(a.data(), row);
+      scalar.sweep_row(b.data(), row);
+      for (size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-6f) << i;
+      EXPECT_NE(b, cells);
+    }
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    volume.size[axis] = sizes[axis];
-    volume.origin[axis] = -0.9f;
-  }
-  volume.inverse_cell = 25;
-  volume.steps = 4;
+}
+
+TEST_P(LookupKernel, LightGridsAgreeWithScalar) {
+  const LookupKernels kernels = lookup_kernels(GetParam());
+  const LookupKernels scalar = lookup_kernels(InstructionSet::scalar);
+  std::vector<float> cells(32 * 48 * 16);
+  Random random(7, RandomStream::tests, 0);
+  for (float& cell : cells) cell = random.uniform(0, 1);
   for (uint64_t i = 0; i < 200; ++i) {
-    const vec3 light = (i % 3 == 0 ? 0.5f : 4.0f) * random_direction(random);
-    volume.parallel = i % 5 == 0;
-    volume.gap = i % 4 == 0 ? 1.0f : 0.0f;
+    const vec3 light = (i % 3 == 0 ? 10.0f : 90.0f) * random_direction(random);
+    LightGridLookup grid{cells.data(), {32, 48, 16}, {-0.8f, -0.9f, -0.5f}, 25, i % 5 == 0,
+                         {},           0.5f};
     for (int axis = 0; axis < 3; ++axis) {
-      volume.light[axis] = volume.parallel ? glm::normalize(light)[axis] : light[axis];
+      grid.light[axis] = grid.parallel ? glm::normalize(light)[axis] : light[axis];
     }
     const LookupReceivers receivers = make_receivers(i);
     float a[lookup_lanes];
     float b[lookup_lanes];
-    kernels.march_volume(volume, receivers, a);
-    scalar.march_volume(volume, receivers, b);
+    kernels.look_up_light(grid, receivers, a);
+    scalar.look_up_light(grid, receivers, b);
     for (int lane = 0; lane < lookup_lanes; ++lane) {
       EXPECT_NEAR(a[lane], b[lane], 1e-3) << i << " lane " << lane;
       EXPECT_GE(a[lane], 0);
@@ -302,42 +354,62 @@ TEST_P(LookupKernel, MarchesAgreeWithScalar) {
   }
 }
 
-TEST_P(LookupKernel, MarchCountsEverySlabOnce) {
-  // All cells stop one hundredth: along an axis through n cells 0.99^n passes, coarse levels or
-  // not.
-  const LookupKernels kernels = lookup_kernels(GetParam());
-  VolumeLookup volume{};
-  std::vector<uint16_t> levels[VolumeLookup::max_levels];
-  for (int l = 0; l < VolumeLookup::max_levels; ++l) {
-    const double open = std::pow(0.99, 1 << l);
-    levels[l].assign((64 >> l) * (64 >> l) * (64 >> l) + 1,
-                     static_cast<uint16_t>(std::lround(65535 * (1 - open))));
-    volume.coverage[l] = levels[l].data();
+/// Cells that all hold the same area, the same seen from everywhere.
+VolumeGrid make_even_grid(float area) {
+  VolumeGrid grid;
+  grid.size = {32, 32, 32};
+  for (uint32_t i = 0; i < grid.cell_count(); ++i) grid.occupied.push_back(i);
+  grid.area.assign(grid.cell_count(), area);
+  grid.moments.assign(grid.cell_count(), {127, 127, 127, 0, 0, 0});
+  return grid;
+}
+
+TEST(LightGrid, LightPassesEverySlabOnce) {
+  // In an even grid n slabs let (1 - c)^n pass, with c a cell's coverage along the ray; lights on a
+  // cell's centre, on its corner and elsewhere, so that cells lie as far off along two axes.
+  const VolumeGrid grid = make_even_grid(0.04f);
+  for (const vec3 light : {vec3(10.5f), vec3(12), vec3(3.2f, 20.1f, 15.7f), vec3(-20, 14, 9)}) {
+    LightGrid lit(grid);
+    lit.sweep(make_point_light(light));
+    const LightGridLookup lookup = lit.lookup(0);
+    for (uint64_t i = 0; i < 500; ++i) {
+      Random random(8, RandomStream::tests, i);
+      int cell[3];
+      for (int& place : cell) place = 2 + static_cast<int>(random.below(28));
+      const vec3 way = vec3(cell[0], cell[1], cell[2]) + 0.5f - light;
+      const float across = max_abs_component(way);
+      if (across < 3) continue;
+      // What enters the grid from outside meets no cells before it, and the outer ones let all
+      // light pass to the next.
+      const vec3 size = glm::abs(way);
+      const int axis = size.x == across ? 0 : size.y == across ? 1 : 2;
+      const bool outside = light.x < 0;
+      if (outside && axis != 0) continue;
+      const float slabs = outside ? static_cast<float>(cell[0]) + 1 : across + 0.5f;
+      const float seen = 0.04f * glm::length(way) / across;
+      const float open = (1 - 0.5f * seen) * (1 - 0.5f * seen);
+      const float left = lookup.cells[(cell[2] * 32 + cell[1]) * 32 + cell[0]];
+      // Between the axes light comes from a little off its way, where cells stop less.
+      EXPECT_NEAR(left, std::pow(open, slabs), 0.1f * left + 0.01f)
+          << i << " " << cell[0] << " " << cell[1] << " " << cell[2];
+    }
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    volume.size[axis] = 64;
-    volume.origin[axis] = -1;
-  }
-  volume.inverse_cell = 32;
-  volume.steps = 5;
-  float position[3][lookup_lanes] = {};
-  const float bias[lookup_lanes] = {};
+}
+
+TEST(LightGrid, ParallelLightRunsDownEveryAxis) {
+  const VolumeGrid grid = make_even_grid(0.04f);
+  LightGrid lit(grid);
   for (int axis = 0; axis < 3; ++axis) {
     for (const float sign : {1.0f, -1.0f}) {
-      for (int lane = 0; lane < lookup_lanes; ++lane) {
-        for (int other = 0; other < 3; ++other) position[other][lane] = 0;
-        position[axis][lane] = -sign * (1 - 0.11f * static_cast<float>(lane));
-      }
-      for (const float distance : {10.0f, 0.95f}) {
-        for (int other = 0; other < 3; ++other)
-          volume.light[other] = other == axis ? sign * distance : 0;
-        float passed[lookup_lanes];
-        kernels.march_volume(volume, {{position[0], position[1], position[2]}, bias}, passed);
-        for (int lane = 0; lane < lookup_lanes; ++lane) {
-          const double cells = 32 * (std::min(1.0f, distance) - sign * position[axis][lane]);
-          const double expected = cells > 0 ? std::pow(0.99, cells) : 1;
-          EXPECT_NEAR(passed[lane], expected, 0.01) << axis << " " << sign << " lane " << lane;
-        }
+      vec3 direction(0.01f);
+      direction[axis] = sign;
+      lit.sweep(make_directional_light(direction));
+      const LightGridLookup lookup = lit.lookup(0);
+      for (int i = 0; i < 32; ++i) {
+        int cell[3] = {16, 16, 16};
+        cell[axis] = sign > 0 ? i : 31 - i;
+        const float left = lookup.cells[(cell[2] * 32 + cell[1]) * 32 + cell[0]];
+        EXPECT_NEAR(left, std::pow(0.98f * 0.98f, static_cast<float>(i + 1)), 1e-3f) << axis;
       }
     }
   }
