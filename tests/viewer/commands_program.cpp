@@ -391,6 +391,27 @@ TEST(Program, StudyOfABudgetIsHeldAgainstEightRecords) {
               rows[2]["error"].get<double>() / rows[0]["error"].get<double>(), 1e-9);
 }
 
+TEST(Program, StudyOfPicturesWritesThemWithTheirErrors) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_relume(folder,
+                                     "study smooth spheres -q --methods pure kmeans --records 2 "
+                                     "--width 32 --height 32 --spp 9 --json -o out");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto document = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(document["schema"], "relume-study-smooth-1");
+  ASSERT_EQ(document["rows"].size(), 4u) << "two methods, with shadows and without";
+  for (const auto& row : document["rows"]) EXPECT_GT(row["error"], 0);
+  EXPECT_GT(document["rows"][0]["error"], document["rows"][2]["error"]) << "pure against kmeans";
+  const auto& pictures = document["pictures"];
+  ASSERT_EQ(pictures.size(), 10u) << "three pictures and two maps of errors, twice";
+  for (const auto& picture : pictures) {
+    const Image image = read_image(folder.file("out") / picture["file"].get<std::string>());
+    EXPECT_EQ(image.width, picture["width"]);
+    EXPECT_EQ(image.height, picture["height"]);
+  }
+  EXPECT_GT(read_all(folder.file("out") / "smooth.html").size(), 1000000u);
+}
+
 TEST(Program, StudyMeasuresShadowsAgainstTheTruth) {
   const TemporaryFolder folder;
   const Outcome outcome = run_relume(folder,

@@ -62,7 +62,12 @@ std::string describe_settings(const StudyOptions& o, const CommonOptions& common
 
 /// The shadow study writes its own document; the page is made from that.
 void run_shadows(StudyOptions options, const CommonOptions& common) {
-  if (options.records.empty()) options.records = {8, 4, 2};
+  if (options.records.empty()) {
+    options.records = options.quick ? std::vector{8} : std::vector{8, 4, 2};
+  }
+  if (options.methods.empty() && options.quick) {
+    options.methods = {ReductionMethod::strong_kmeans, ReductionMethod::light_fit};
+  }
   run_shadow_study(options, common);
   if (!options.output) return;
   std::vector<std::string> pictures;

@@ -70,9 +70,9 @@ function layoutMethods() {
     }
   }
   parts.push(heading("All figures"), methodRowsTable(study.rows));
-  return { title: "reduction methods at 8 records",
-    lead: "TR2007-600, experiment 1 (figure 2): random point lights that no method was trained on; every pixel's 25 samples reduced to 8 " +
-      "records by each method, PURE taking 8 fresh samples; all against the 25 samples.", parts };
+  return { title: "reduction methods",
+    lead: "TR2007-600, experiment 1 (figure 2): random point lights that no method was trained on; every pixel's samples (25 in " +
+      "the report) reduced to k records (8) by each method, PURE taking k fresh samples; all against all samples.", parts };
 }
 
 function layoutRates() {

@@ -92,7 +92,7 @@ function makeAxis(base, text, isLog, values, ticks) {
 }
 
 /** A plot to zoom into by dragging; a double click shows all again. `ticks`: x values to label on a log axis;
- *  `limits`: of y. */
+ *  `limits`: of a log y axis. */
 function plot({ title, x, y, series, logX = false, logY = false, ticks, limits, note, height = 400 }) {
   const place = element("div", { class: "plot" });
   const theme = themeLayout();
@@ -106,7 +106,7 @@ function plot({ title, x, y, series, logX = false, logY = false, ticks, limits, 
     xaxis: makeAxis(theme.xaxis, x, logX, series.flatMap((one) => one.x), ticks),
     yaxis: makeAxis(theme.yaxis, y, logY, limits ?? series.flatMap((one) => one.y)),
   };
-  if (limits) layout.yaxis.range = logY ? limits.map(Math.log10) : limits;
+  if (limits && logY) layout.yaxis.range = limits.map(Math.log10);
   if (!logX) delete layout.xaxis.rangemode;
   const button = (label, change) => element("button", { type: "button", onclick: () => Plotly.relayout(place, change()) }, label);
   const tools = [
@@ -114,7 +114,9 @@ function plot({ title, x, y, series, logX = false, logY = false, ticks, limits, 
       const isLog = place.layout.yaxis.type === "log";
       return { "yaxis.type": isLog ? "linear" : "log", "yaxis.dtick": isLog ? null : logStep(series.flatMap((one) => one.y)), "yaxis.autorange": true };
     }),
-    button("all", () => ({ "xaxis.autorange": true, "yaxis.autorange": true })),
+    button("all", () => (limits && logY && place.layout.yaxis.type === "log"
+      ? { "xaxis.autorange": true, "yaxis.range": limits.map(Math.log10) }
+      : { "xaxis.autorange": true, "yaxis.autorange": true })),
   ];
   if (isTouch) tools.unshift(button("zoom", () => ({ dragmode: place.layout.dragmode ? false : "zoom" })));
   const node = element("div", { class: "card" },
