@@ -278,6 +278,8 @@ OIIO::ImageSpec exr_spec(std::span<const ExrLayer> layers,
   spec.nchannels = static_cast<int>(spec.channelnames.size());
   spec.attribute("compression", "zip");
   spec.attribute("oiio:ColorSpace", "Linear");
+  // The library would put the time of day there: the same picture gives the same bytes.
+  spec.attribute("DateTime", "");
   for (const auto& [name, value] : metadata) spec.attribute(name, value);
   return spec;
 }

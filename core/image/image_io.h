@@ -18,7 +18,8 @@ struct ExrLayer {
 };
 
 /// Writes a scene-linear, 32-bit float, zip-compressed EXR atomically (temporary, fsync, rename).
-/// `metadata` become string attributes. Throws Error(output).
+/// `metadata` become string attributes; no date is written, so that equal calls write equal bytes.
+/// Throws Error(output).
 void write_exr(const std::filesystem::path& path, std::span<const ExrLayer> layers,
                const std::vector<std::pair<std::string, std::string>>& metadata = {});
 

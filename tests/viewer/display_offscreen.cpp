@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -29,13 +30,14 @@ std::filesystem::path fresh_folder(const std::string& name) {
 /// The viewer off screen, kept between scripts so that a test can look inside.
 struct Stage {
   explicit Stage(ivec2 size_px = {1280, 800}, const FakeSessionOptions& options = {})
-      : session(make_fake_parts(options)),
+      : workspace(std::make_unique<Session>(make_fake_parts(options))),
+        session(*workspace.session()),
         surface(size_px),
         gl(load_gl_table(surface.loader())),
-        screen(session, gl, {.scale = 1, .show_timings = false}) {}
+        screen(workspace, gl, {.scale = 1, .show_timings = false}) {}
 
   void play(const std::string& text) {
-    play_script(parse_script(text, "test"), session, screen, gl, surface, testing::TempDir());
+    play_script(parse_script(text, "test"), workspace, screen, gl, surface, testing::TempDir());
   }
   DisplayImage look() const { return read_framebuffer(gl, surface.size_px()); }
   vec2 center(const std::string& item) const {
@@ -44,7 +46,8 @@ struct Stage {
     return rect ? rect->center() : vec2(0);
   }
 
-  Session session;
+  Workspace workspace;
+  Session& session;
   OsmesaSurface surface;
   GlTable gl;
   Screen screen;
@@ -178,6 +181,63 @@ TEST(Offscreen, SaysThatTheCacheHoldsNoPredictedError) {
   EXPECT_LT(changed_pixels(frame, missing), line + 8000);
 }
 
+TEST(Offscreen, UndoTakesBackADragAsOneStep) {
+  Stage stage;
+  const vec3 before = stage.session.view().lights[0].position;
+  stage.play("drag handle.1 90 -60");
+  const vec3 after = stage.session.view().lights[0].position;
+  EXPECT_NE(after, before);
+  EXPECT_EQ(stage.workspace.history().step_count(), 1u);
+  stage.play("key ctrl+z");
+  EXPECT_EQ(stage.session.view().lights[0].position, before);
+  stage.play("key ctrl+shift+z");
+  EXPECT_EQ(stage.session.view().lights[0].position, after);
+  stage.play("click menu.edit\nclick menu.undo");
+  EXPECT_EQ(stage.session.view().lights[0].position, before);
+}
+
+TEST(Offscreen, KeysEditTheListOfLights) {
+  Stage stage;
+  const ViewState& view = stage.session.view();
+  stage.play("key a\nkey ctrl+d");
+  ASSERT_EQ(view.lights.size(), 4u);
+  EXPECT_EQ(view.selected_light, 3);
+  stage.play("key o\nkey [\nkey .\nkey .");
+  EXPECT_EQ(view.solo_lights, std::vector<int>{3});
+  EXPECT_NEAR(std::log2(view.lights[2].gain / view.lights[3].gain), 0.5, 1e-5);
+  stage.play("key delete\nkey delete\nkey delete\nkey delete\nkey delete");
+  EXPECT_TRUE(view.lights.empty());
+  EXPECT_EQ(view.selected_light, -1);
+  stage.play("key ctrl+z\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z");
+  EXPECT_EQ(view.lights.size(), 4u);
+  EXPECT_EQ(view.solo_lights, std::vector<int>{3});
+}
+
+TEST(Offscreen, ArrowKeysMoveTheLight) {
+  Stage stage;
+  const Light& light = stage.session.view().lights[0];
+  stage.play("key right\nkey up\nkey up");
+  EXPECT_GT(light.position.x, 0);
+  EXPECT_NEAR(light.position.y, 2 * light.position.x, 1e-6);
+  EXPECT_EQ(light.position.z, 0);
+  stage.play("key page-up");
+  EXPECT_LT(light.position.z, 0) << "away from the eye";
+  EXPECT_EQ(stage.workspace.history().step_count(), 4u);
+}
+
+TEST(Offscreen, TheSessionIsSavedThroughTheBox) {
+  const std::filesystem::path folder = fresh_folder("relume_save");
+  Stage stage;
+  stage.play(fmt::format("key ctrl+s\ntype {}\nkey enter", (folder / "mine").string()));
+  EXPECT_EQ(stage.workspace.document(), folder / "mine.json");
+  EXPECT_NE(read_bytes(folder / "mine.json").find("relume-session-1"), std::string::npos);
+  stage.play("key .\nkey ctrl+s");
+  EXPECT_FALSE(stage.workspace.is_modified());
+  EXPECT_EQ(read_bytes(folder / "mine.json").find("\"gain\": 1,"), std::string::npos);
+  stage.play("key ctrl+shift+s\nclick dialog.entry.mine.json\nclick dialog.cancel");
+  EXPECT_FALSE(stage.screen.ui().items.find("dialog.path").has_value());
+}
+
 TEST(Offscreen, WithoutAReferenceTheKeysAndButtonsForItDoNothing) {
   Stage stage({1280, 800}, {.reference = false});
   stage.play("key r\nkey h\nclick view.reference");
@@ -193,8 +253,8 @@ TEST(Offscreen, TwoRunsDrawTheSameBytes) {
   const std::filesystem::path folders[] = {fresh_folder("relume_run_a"),
                                            fresh_folder("relume_run_b")};
   for (const auto& folder : folders) {
-    Session session(make_fake_parts());
-    EXPECT_EQ(run_offscreen(session, parse_script(text, "test"), folder), 0);
+    Workspace workspace(std::make_unique<Session>(make_fake_parts()));
+    EXPECT_EQ(run_offscreen(workspace, parse_script(text, "test"), folder), 0);
   }
   for (const char* file : {"start.png", "heatmap.png", "help.png"}) {
     const std::string bytes = read_bytes(folders[0] / file);
@@ -238,11 +298,11 @@ TEST(Offscreen, SurvivesEverySizeAndComesBackTheSame) {
 TEST(Offscreen, LargerScaleMakesLargerControls) {
   float width[2] = {};
   for (const int scale : {1, 2}) {
-    Session session(make_fake_parts());
+    Workspace workspace(std::make_unique<Session>(make_fake_parts()));
     OsmesaSurface surface(ivec2(1280, 800) * scale);
     const GlTable gl = load_gl_table(surface.loader());
-    Screen screen(session, gl, {.scale = static_cast<float>(scale), .show_timings = false});
-    play_script(parse_script("wait", "test"), session, screen, gl, surface, {});
+    Screen screen(workspace, gl, {.scale = static_cast<float>(scale), .show_timings = false});
+    play_script(parse_script("wait", "test"), workspace, screen, gl, surface, {});
     const auto rect = screen.ui().items.find("view.exposure");
     ASSERT_TRUE(rect.has_value());
     width[scale - 1] = rect->size().x;

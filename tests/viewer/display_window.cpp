@@ -80,25 +80,25 @@ std::unique_ptr<ChildProcess> start_part(const std::string& part, const std::str
 
 TEST(DISABLED_Part, PlaysTheScriptInAWindow) {
   ASSERT_FALSE(helper_folder().empty()) << "run by the tests below";
-  Session session(make_fake_parts());
+  Workspace workspace(std::make_unique<Session>(make_fake_parts()));
   WindowOptions options;
   options.ui_scale = 1;
   options.script = parse_script(script_text, "test");
   options.folder = helper_folder();
-  EXPECT_EQ(run_window(session, options), 0);
+  EXPECT_EQ(run_window(workspace, options), 0);
 }
 
 TEST(DISABLED_Part, ServesAPerson) {
   ASSERT_FALSE(helper_folder().empty()) << "run by the tests below";
-  Session session(make_fake_parts());
+  Workspace workspace(std::make_unique<Session>(make_fake_parts()));
   WindowOptions options;
   options.ui_scale = 1;
-  EXPECT_EQ(run_window(session, options), 0);
-  const Light& light = session.view().lights[0];
+  EXPECT_EQ(run_window(workspace, options), 0);
+  const Light& light = workspace.session()->view().lights[0];
   std::ofstream(helper_folder() / "result.txt")
       << light.position.x << ' ' << light.position.y << ' ' << light.position.z << ' '
-      << session.view().display.exposure << ' '
-      << label_of(shown_picture_labels, session.view().shown) << '\n';
+      << workspace.session()->view().display.exposure << ' '
+      << label_of(shown_picture_labels, workspace.session()->view().shown) << '\n';
 }
 
 /// A virtual X server on a display of its own choice, for the life of the test.
@@ -130,8 +130,8 @@ TEST_F(Window, DrawsTheSameBytesAsOffscreen) {
   const std::filesystem::path off_screen = fresh_folder("relume_offscreen");
   ASSERT_EQ(start_part("PlaysTheScriptInAWindow", display_, in_window)->wait(120s), 0);
 
-  Session session(make_fake_parts());
-  ASSERT_EQ(run_offscreen(session, parse_script(script_text, "test"), off_screen), 0);
+  Workspace workspace(std::make_unique<Session>(make_fake_parts()));
+  ASSERT_EQ(run_offscreen(workspace, parse_script(script_text, "test"), off_screen), 0);
   for (const char* file : {"frame.png", "heatmap.png", "help.png", "reference.png"}) {
     const std::string bytes = read_bytes(off_screen / file);
     EXPECT_GT(bytes.size(), 1000u) << file;
@@ -145,15 +145,15 @@ TEST_F(Window, APersonDragsALightAndLeaves) {
   const auto program = start_part("ServesAPerson", display_, folder);
   ASSERT_EQ(xdotool({"search", "--sync", "--onlyvisible", "--name", "^Relume"}), 0);
   // Without a window manager the window stands at the top left. Without the panel the 320 x 240
-  // picture fills about 1280 x 772 with light 1 in the middle.
+  // picture fills about 1280 x 748, below the menus, with light 1 in the middle.
   const auto pause = [] { std::this_thread::sleep_for(200ms); };
-  xdotool({"mousemove", "640", "386"});
+  xdotool({"mousemove", "640", "398"});
   pause();
   xdotool({"key", "p"});
   pause();
   xdotool({"mousedown", "1"});
   pause();
-  for (const char* x : {"670", "700", "730"}) xdotool({"mousemove", x, "386"});
+  for (const char* x : {"670", "700", "730"}) xdotool({"mousemove", x, "398"});
   pause();
   xdotool({"mouseup", "1"});
   pause();
@@ -169,7 +169,7 @@ TEST_F(Window, APersonDragsALightAndLeaves) {
   std::string shown;
   result >> position.x >> position.y >> position.z >> exposure >> shown;
   // 90 screen pixels at depth 5 under 17.5 degrees of half angle.
-  const float expected = 90 / (772.0f / 240) * 2 * 5 * std::tan(radians_from_degrees(17.5f)) / 240;
+  const float expected = 90 / (748.0f / 240) * 2 * 5 * std::tan(radians_from_degrees(17.5f)) / 240;
   EXPECT_NEAR(position.x, expected, 0.01);
   EXPECT_NEAR(position.y, 0, 1e-6);
   EXPECT_NEAR(position.z, 0, 1e-6);
@@ -187,9 +187,9 @@ TEST(WindowWithoutDisplay, FailsWithOneClearError) {
 TEST(DISABLED_Part, FindsNoDisplay) {
   ASSERT_FALSE(helper_folder().empty()) << "run by the test above";
   EXPECT_FALSE(display_available());
-  Session session(make_fake_parts());
+  Workspace workspace(std::make_unique<Session>(make_fake_parts()));
   try {
-    run_window(session, {});
+    run_window(workspace, {});
     FAIL() << "a window without a display";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::output);

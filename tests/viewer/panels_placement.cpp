@@ -10,13 +10,14 @@ TEST(Layout, PartsCoverTheWindowAtAnySize) {
        {vec2(1, 1), vec2(2, 700), vec2(300, 20), vec2(1280, 800), vec2(5000, 3000)}) {
     for (const bool panel : {false, true}) {
       const Layout layout = make_layout(size, 15, panel);
-      for (const Rect& part : {layout.picture, layout.panel, layout.status}) {
+      for (const Rect& part : {layout.menu, layout.picture, layout.panel, layout.status}) {
         EXPECT_GE(part.size().x, 0);
         EXPECT_GE(part.size().y, 0);
       }
       const auto area = [](const Rect& rect) { return rect.size().x * rect.size().y; };
-      EXPECT_FLOAT_EQ(area(layout.picture) + area(layout.panel) + area(layout.status),
-                      size.x * size.y);
+      EXPECT_FLOAT_EQ(
+          area(layout.menu) + area(layout.picture) + area(layout.panel) + area(layout.status),
+          size.x * size.y);
       EXPECT_GE(layout.picture.size().x, 0.5f * size.x);
     }
   }

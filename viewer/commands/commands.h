@@ -15,6 +15,9 @@ int run_bench(const BenchOptions& options, const CommonOptions& common);
 int run_info(const InfoOptions& options, const CommonOptions& common);
 int run_study(const StudyOptions& options, const CommonOptions& common);
 
+/// True when this build has a window and a display is there.
+bool can_open_window();
+
 /// Parses the command line and runs the command it names. Prints one line on stderr for an Error
 /// and returns its exit code: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output,
 /// 130 interrupted.

@@ -8,9 +8,8 @@
 #include "core/image/metrics.h"
 #include "viewer/commands/commands.h"
 #include "viewer/commands/json_output.h"
-#include "viewer/commands/open_window.h"
 #include "viewer/commands/relight_input.h"
-#include "viewer/commands/save_frame.h"
+#include "viewer/session/save_frame.h"
 
 namespace relume {
 namespace {
@@ -82,12 +81,13 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
 
 int run_demo(const DemoOptions& options, const CommonOptions& common) {
   const Timer timer;
-  RelightInput input = open_input(options.scene, options.prepare, true, common);
   if (!options.offscreen && can_open_window()) {
     ViewOptions view;
+    view.input = options.scene;
     view.prepare = options.prepare;
-    return open_window(std::move(input), view, common);
+    return run_view(view, common);
   }
+  const RelightInput input = open_input(options.scene, options.prepare, true, common);
   return write_pictures(input, options.offscreen.value_or("relume-demo"), options, timer, common);
 }
 

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "core/image/display_transform.h"
-#include "core/samples/record_layout.h"
 #include "core/simd/instruction_set.h"
-#include "reduction/budget.h"
 #include "reduction/reduction.h"
 #include "shadow/shadow.h"
+#include "viewer/session/prepare_options.h"
 
 namespace relume {
 
@@ -23,25 +22,6 @@ struct CommonOptions {
   bool quiet = false;
   bool verbose = false;
   bool json = false;  ///< print figures as JSON on stdout
-};
-
-/// How a scene becomes records, where a command is given a scene instead of a cache.
-struct PrepareOptions {
-  int spp = 25;
-  ReductionMethod method = ReductionMethod::strong_kmeans;
-  std::optional<int> records;  ///< k; default 8, or at most 16 under a budget
-  RecordBudget budget;
-  std::optional<int> members;  ///< positions kept of what a record stands for; default 0
-  bool predict_error = false;
-  /// Nothing: exact, or chosen for frame_ms or the budget's target error.
-  std::optional<CacheFormat> format;
-  float frame_ms = 0;  ///< > 0: records and format are chosen so that a move takes no longer
-  ShadowMethod frame_shadows = ShadowMethod::none;  ///< that this time pays for
-  int training_lights = 200;
-  bool train_shadows = false;
-  ReductionPreset preset = ReductionPreset::standard;
-  int width = 0;  ///< pixels; 0 = the scene's
-  int height = 0;
 };
 
 struct DemoOptions {

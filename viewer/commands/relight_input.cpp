@@ -30,6 +30,10 @@ RelightInput trace_scene(Scene scene, const CommonOptions& common) {
   return input;
 }
 
+ProgressCallback progress_of(const OpenHooks& hooks, const CommonOptions& common) {
+  return hooks.progress ? hooks.progress : make_terminal_progress(common.quiet);
+}
+
 /// The scene that a cache was made from.
 Scene scene_of_cache(const CacheInfo& info, const std::string& place) {
   try {
@@ -109,13 +113,13 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
   return params;
 }
 
-RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common) {
-  return trace_scene(load_scene(name_or_path, shader_table(), make_terminal_progress(common.quiet)),
-                     common);
+RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common,
+                        const OpenHooks& hooks) {
+  return trace_scene(load_scene(name_or_path, shader_table(), progress_of(hooks, common)), common);
 }
 
 RelightInput open_input(const std::string& input, const PrepareOptions& prepare, bool need_tracer,
-                        const CommonOptions& common) {
+                        const CommonOptions& common, const OpenHooks& hooks) {
   if (is_cache_path(input)) {
     RelightCache cache = RelightCache::open(input, shader_table());
     RelightInput result;
@@ -123,10 +127,11 @@ RelightInput open_input(const std::string& input, const PrepareOptions& prepare,
     result.cache = std::move(cache);
     return result;
   }
-  const PrepareParams params = make_prepare_params(prepare, common);
-  RelightInput result = open_scene(input, common);
-  result.cache = prepare_in_memory(*result.scene, *result.tracer, params,
-                                   make_terminal_progress(common.quiet));
+  PrepareParams params = make_prepare_params(prepare, common);
+  params.on_tile = hooks.on_tile;
+  RelightInput result = open_scene(input, common, hooks);
+  result.cache =
+      prepare_in_memory(*result.scene, *result.tracer, params, progress_of(hooks, common));
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "core/samples/relight_cache.h"
@@ -16,14 +17,22 @@ struct RelightInput {
   std::optional<RelightCache> cache;
 };
 
+/// Who is told how far opening is.
+struct OpenHooks {
+  ProgressCallback progress;  ///< empty: the terminal
+  /// See PrepareParams; empty: nobody.
+  std::function<void(const ViewSampler& view, const SampleTile& records)> on_tile;
+};
+
 /// Loads a scene and builds its ray tracer.
-RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common);
+RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common,
+                        const OpenHooks& hooks = {});
 
 /// A scene (label or path), prepared in memory as `prepare` says, or a .relume cache. A cache's
 /// scene is loaded only when `need_tracer`, from the text stored in the cache; generated and
 /// unchanged files give the geometry that the cache was made from.
 RelightInput open_input(const std::string& input, const PrepareOptions& prepare, bool need_tracer,
-                        const CommonOptions& common);
+                        const CommonOptions& common, const OpenHooks& hooks = {});
 
 /// `options` with what `shadow` needs of a cache, where nothing else was asked for.
 PrepareOptions prepare_for(ShadowMethod shadow, PrepareOptions options);

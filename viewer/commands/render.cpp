@@ -4,7 +4,7 @@
 #include "viewer/commands/commands.h"
 #include "viewer/commands/json_output.h"
 #include "viewer/commands/relight_input.h"
-#include "viewer/commands/save_frame.h"
+#include "viewer/session/save_frame.h"
 
 namespace relume {
 namespace {

@@ -1,26 +1,69 @@
 #include "core/base/error.h"
 #include "viewer/commands/commands.h"
-#include "viewer/commands/open_window.h"
+#include "viewer/commands/relight_input.h"
 #if defined(RELUME_HAS_VIEWER)
 #include "viewer/display/run_viewer.h"
+#include "viewer/session/recent_files.h"
 #endif
 
 namespace relume {
 namespace {
 
 #if defined(RELUME_HAS_VIEWER)
-Session start_session(RelightInput input, const PrepareOptions& prepare,
-                      const CommonOptions& common) {
-  std::optional<RelightCache> reference;
-  if (input.tracer) {
-    PrepareOptions all = all_samples(prepare);
-    all.width = input.cache->info().width;
-    all.height = input.cache->info().height;
-    reference = prepare_in_memory(*input.scene, *input.tracer, make_prepare_params(all, common),
-                                  make_terminal_progress(common.quiet));
+/// Prepares every sample of the session's scene for the reference.
+auto make_reference_maker(const Session& session, const SessionFile& file,
+                          const CommonOptions& common) {
+  PrepareOptions all = all_samples(file.prepare);
+  all.width = session.info().width;
+  all.height = session.info().height;
+  const PrepareParams params = make_prepare_params(all, common);
+  return [&session, params](const ProgressCallback& progress) {
+    const Tracer& tracer = *session.tracer();
+    return make_cache_source(prepare_in_memory(tracer.scene(), tracer, params, progress), &tracer,
+                             ShadowMethod::ray);
+  };
+}
+
+void apply_options(const ViewOptions& options, ViewState& view) {
+  view.shadows = options.shadow;
+  view.frame_ms = options.frame_ms.value_or(view.frame_ms);
+  view.refine = !options.keep_records && !options.offscreen;
+}
+
+OpenedInput start_session(RelightInput input, const SessionFile& file, const ViewOptions& options,
+                          const CommonOptions& common) {
+  OpenedInput opened;
+  // No copy is made: a session cannot move.
+  opened.session.reset(new Session(make_session(std::move(input.scene), std::move(input.tracer),
+                                                std::move(*input.cache), std::nullopt)));
+  apply_options(options, opened.session->view());
+  if (opened.session->tracer() != nullptr) {
+    opened.make_reference = make_reference_maker(*opened.session, file, common);
   }
-  return make_session(std::move(input.scene), std::move(input.tracer), std::move(*input.cache),
-                      std::move(reference));
+  return opened;
+}
+
+InputOpener make_opener(const ViewOptions& options, const CommonOptions& asked) {
+  return [options, asked](const SessionFile& file, const ProgressCallback& progress,
+                          PreparePreview& preview) {
+    CommonOptions common = asked;
+    common.seed = file.seed;
+    const OpenHooks hooks{progress, [&preview](const ViewSampler& view, const SampleTile& records) {
+                            preview.add_tile(view, records);
+                          }};
+    return start_session(open_input(file.input, file.prepare, true, common, hooks), file, options,
+                         common);
+  };
+}
+
+WorkspaceOptions workspace_options(const ViewOptions& options, const CommonOptions& common) {
+  PrepareOptions prepare = prepare_for(options.shadow, options.prepare);
+  // Shadows have levels of their own to keep to the time.
+  if (!prepare.records && !prepare.budget.is_set()) prepare.frame_ms = options.frame_ms.value_or(0);
+  return {.state_folder = options.offscreen ? std::filesystem::path() : default_state_folder(),
+          .work_folder = options.offscreen.value_or("."),
+          .prepare = prepare,
+          .seed = common.seed};
 }
 #else
 Error no_viewer() {
@@ -39,33 +82,19 @@ bool can_open_window() {
 #endif
 }
 
-int open_window([[maybe_unused]] RelightInput input, [[maybe_unused]] const ViewOptions& options,
-                [[maybe_unused]] const CommonOptions& common) {
+int run_view([[maybe_unused]] const ViewOptions& options,
+             [[maybe_unused]] const CommonOptions& common) {
 #if defined(RELUME_HAS_VIEWER)
-  Session session = start_session(std::move(input), options.prepare, common);
-  session.view().shadows = options.shadow;
-  session.view().frame_ms = options.frame_ms.value_or(session.view().frame_ms);
-  session.view().refine = !options.keep_records;
-  return run_window(session, {});
-#else
-  throw no_viewer();
-#endif
-}
-
-int run_view(const ViewOptions& options, const CommonOptions& common) {
-  PrepareOptions prepare = prepare_for(options.shadow, options.prepare);
-  // Shadows have levels of their own to keep to the time.
-  if (!prepare.records && !prepare.budget.is_set()) prepare.frame_ms = options.frame_ms.value_or(0);
-  RelightInput input = open_input(options.input, prepare, true, common);
-#if defined(RELUME_HAS_VIEWER)
+  // A mistake in the options is found before anything is loaded.
+  make_prepare_params(options.prepare, common);
+  const std::optional<Script> script =
+      options.script ? std::optional(load_script(*options.script)) : std::nullopt;
+  Workspace workspace(make_opener(options, common), options.input,
+                      workspace_options(options, common));
   if (options.offscreen) {
-    const Script script = options.script ? load_script(*options.script) : default_script();
-    Session session = start_session(std::move(input), options.prepare, common);
-    session.view().shadows = options.shadow;
-    session.view().frame_ms = options.frame_ms.value_or(session.view().frame_ms);
-    return run_offscreen(session, script, *options.offscreen);
+    return run_offscreen(workspace, script.value_or(default_script()), *options.offscreen);
   }
-  return open_window(std::move(input), options, common);
+  return run_window(workspace, {});
 #else
   throw no_viewer();
 #endif

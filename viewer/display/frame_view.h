@@ -22,6 +22,9 @@ class FrameView {
   /// empty.
   void draw(const Picture& picture, const Rect& target, const Rect& clip, ivec2 size_px);
 
+  /// The next picture is uploaded whatever its version.
+  void forget() { version_ = 0; }
+
  private:
   void upload(const Picture& picture);
 

@@ -50,6 +50,11 @@ GlfwWindow::GlfwWindow(const std::string& title, ivec2 size) {
   }
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetDropCallback(window_, [](GLFWwindow* handle, int count, const char** paths) {
+    const auto* window = static_cast<const GlfwWindow*>(glfwGetWindowUserPointer(handle));
+    for (int i = 0; i < count && window->drop_; ++i) window->drop_(paths[i]);
+  });
 }
 
 GlfwWindow::~GlfwWindow() {
@@ -103,6 +108,10 @@ void GlfwWindow::disconnect_input() {
 
 void GlfwWindow::begin_frame() {
   ImGui_ImplGlfw_NewFrame();
+}
+
+void GlfwWindow::set_drop(std::function<void(const std::string& path)> drop) {
+  drop_ = std::move(drop);
 }
 
 void GlfwWindow::poll_events() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "viewer/display/surface.h"
@@ -36,6 +37,10 @@ class GlfwWindow final : public Surface {
   /// Hands the input since the last frame to ImGui; before ImGui::NewFrame().
   void begin_frame();
 
+  /// `drop` is called, within poll_events() and wait_events(), with each file dropped on the
+  /// window; empty: nobody is told.
+  void set_drop(std::function<void(const std::string& path)> drop);
+
   /// Handles what has arrived, without waiting.
   void poll_events();
   /// Sleeps until something arrives; false when nothing did for `seconds`.
@@ -45,6 +50,7 @@ class GlfwWindow final : public Surface {
 
  private:
   GLFWwindow* window_ = nullptr;
+  std::function<void(const std::string& path)> drop_;
 };
 
 }  // namespace relume

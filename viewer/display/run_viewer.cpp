@@ -15,26 +15,36 @@ namespace {
 constexpr double idle_wake_s = 0.25;  // how long an interrupt may go unnoticed
 constexpr int settle_frames = 2;      // ImGui needs two frames to lay out what changed
 
-/// While it lives, the window's input reaches ImGui and finished frames wake the event loop.
+/// While it lives, the window's input reaches ImGui, dropped files are opened and finished work
+/// wakes the event loop.
 class Connection {
  public:
-  Connection(Session& session, GlfwWindow& window) : session_(session), window_(window) {
+  Connection(Workspace& workspace, GlfwWindow& window) : workspace_(workspace), window_(window) {
     window_.connect_input();
-    session_.set_notify(GlfwWindow::wake);
+    window_.set_drop([&workspace](const std::string& path) { workspace.open(path); });
+    workspace_.set_notify(GlfwWindow::wake);
   }
   ~Connection() {
-    session_.set_notify({});
+    workspace_.set_notify({});
+    window_.set_drop({});
     window_.disconnect_input();
   }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
  private:
-  Session& session_;
+  Workspace& workspace_;
   GlfwWindow& window_;
 };
 
-void run_events(Session& session, Screen& screen, GlfwWindow& window) {
+/// Changes whenever the picture on the screen does.
+std::pair<uint64_t, uint64_t> picture_version(const Workspace& workspace) {
+  const Session* session = workspace.session();
+  return {workspace.session_number(),
+          session != nullptr ? session->picture().version : workspace.preview().version};
+}
+
+void run_events(Workspace& workspace, Screen& screen, GlfwWindow& window) {
   int frames_due = 1 + settle_frames;
   while (!window.should_close() && !screen.quit() && !interrupted()) {
     if (frames_due > 0) {
@@ -44,39 +54,49 @@ void run_events(Session& session, Screen& screen, GlfwWindow& window) {
       if (!arrived && !screen.has_caret()) continue;
       frames_due = arrived ? 1 + settle_frames : 1;
     }
-    const uint64_t shown = session.picture().version;
+    const auto shown = picture_version(workspace);
     window.begin_frame();
     screen.draw(window.size_px());
     window.present();
     --frames_due;
-    if (session.picture().version != shown) frames_due = std::max(frames_due, settle_frames);
+    if (picture_version(workspace) != shown) frames_due = std::max(frames_due, settle_frames);
+    workspace.require_session();
   }
+}
+
+std::string window_title(const Workspace& workspace) {
+  const Session* session = workspace.session();
+  const std::string name =
+      session != nullptr ? session->info().title : workspace.load_status().input;
+  return fmt::format("Relume - {}", printable(name, 80));
 }
 
 }  // namespace
 
-int run_window(Session& session, const WindowOptions& options) {
-  GlfwWindow window(fmt::format("Relume - {}", printable(session.info().title, 80)), options.size);
+int run_window(Workspace& workspace, const WindowOptions& options) {
+  GlfwWindow window(window_title(workspace), options.size);
   const GlTable gl = load_gl_table(window.loader());
   const float scale = options.ui_scale > 0 ? options.ui_scale : window.ui_scale();
-  Screen screen(session, gl, {.scale = scale, .show_timings = !options.script});
+  Screen screen(workspace, gl, {.scale = scale, .show_timings = !options.script});
   if (options.script) {
     make_folder(options.folder);
-    play_script(*options.script, session, screen, gl, window, options.folder);
+    play_script(*options.script, workspace, screen, gl, window, options.folder);
     return 0;
   }
-  const Connection connection(session, window);
-  run_events(session, screen, window);
+  const Connection connection(workspace, window);
+  run_events(workspace, screen, window);
   return interrupted() ? static_cast<int>(ErrorKind::cancelled) : 0;
 }
 
-int run_offscreen(Session& session, const Script& script, const std::filesystem::path& folder,
+int run_offscreen(Workspace& workspace, const Script& script, const std::filesystem::path& folder,
                   const OffscreenOptions& options) {
+  workspace.wait(true);
+  workspace.require_session();
   make_folder(folder);
   OsmesaSurface surface(options.size_px);
   const GlTable gl = load_gl_table(surface.loader());
-  Screen screen(session, gl, {.scale = options.ui_scale, .show_timings = false});
-  play_script(script, session, screen, gl, surface, folder);
+  Screen screen(workspace, gl, {.scale = options.ui_scale, .show_timings = false});
+  play_script(script, workspace, screen, gl, surface, folder);
   return 0;
 }
 

@@ -5,7 +5,7 @@
 
 #include "viewer/display/glfw_window.h"
 #include "viewer/display/script.h"
-#include "viewer/session/session.h"
+#include "viewer/session/workspace.h"
 
 namespace relume {
 
@@ -17,8 +17,9 @@ struct WindowOptions {
 };
 
 /// Opens the window and stays until it is closed. Draws only when something happened. Returns the
-/// exit code. Throws Error(output) when there is no display (see display_available()).
-int run_window(Session& session, const WindowOptions& options);
+/// exit code. Throws Error(output) when there is no display (see display_available()), and what
+/// the first input failed with when it could not be opened.
+int run_window(Workspace& workspace, const WindowOptions& options);
 
 struct OffscreenOptions {
   ivec2 size_px{1280, 800};
@@ -27,7 +28,7 @@ struct OffscreenOptions {
 
 /// Draws the same without a display and plays `script`; screenshots go to `folder`, which is made
 /// when missing. Two runs write the same bytes. Returns the exit code.
-int run_offscreen(Session& session, const Script& script, const std::filesystem::path& folder,
+int run_offscreen(Workspace& workspace, const Script& script, const std::filesystem::path& folder,
                   const OffscreenOptions& options = {});
 
 /// One screenshot, "window.png", of the viewer as it opens.

@@ -4,7 +4,9 @@
 
 #include "viewer/panels/keys.h"
 #include "viewer/panels/light_panel.h"
+#include "viewer/panels/load_view.h"
 #include "viewer/panels/manipulator.h"
+#include "viewer/panels/menu_bar.h"
 #include "viewer/panels/view_panel.h"
 #include "viewer/panels/widgets.h"
 
@@ -33,8 +35,8 @@ Screen::Context::~Context() {
   ImGui::DestroyContext();
 }
 
-Screen::Screen(Session& session, const GlTable& gl, const ScreenOptions& options)
-    : session_(session), gl_(gl), frame_view_(gl), ui_renderer_(with_theme(gl, options.scale)) {
+Screen::Screen(Workspace& workspace, const GlTable& gl, const ScreenOptions& options)
+    : workspace_(workspace), gl_(gl), frame_view_(gl), ui_renderer_(with_theme(gl, options.scale)) {
   ui_.show_timings = options.show_timings;
 }
 
@@ -42,7 +44,7 @@ Screen::~Screen() = default;
 
 bool Screen::resting() const {
   const bool dragging = ui_.drag.grip != Grip::none && ui_.drag.grip != Grip::pan;
-  return !dragging && !ImGui::IsAnyItemActive();
+  return !dragging && !ui_.nudging && !ImGui::IsAnyItemActive();
 }
 
 bool Screen::has_caret() const {
@@ -53,7 +55,7 @@ void Screen::draw(ivec2 size_px) {
   ImGui::NewFrame();
   build();
   ImGui::Render();
-  session_.update(resting());
+  workspace_.update(resting());
   if (size_px.x <= 0 || size_px.y <= 0) return;
   gl_.Viewport(0, 0, size_px.x, size_px.y);
   gl_.Disable(GL_SCISSOR_TEST);
@@ -66,33 +68,50 @@ void Screen::draw(ivec2 size_px) {
 void Screen::build() {
   const ImGuiIO& io = ImGui::GetIO();
   ui_.items.clear();
-  handle_keys(ui_, session_);
+  handle_keys(ui_, workspace_);
   ui_.layout = make_layout(from_im(io.DisplaySize), ImGui::GetFontSize(), ui_.show_panel);
-  const vec2 picture_px(session_.info().width, session_.info().height);
-  ui_.placement = place_picture(ui_.layout.picture, picture_px, session_.view());
-  light_manipulator(ui_, session_);
-  picture_legend(ui_, session_);
-  if (ui_.show_panel) {
-    begin_fixed_window("panel", ui_.layout.panel);
-    view_panel(ui_, session_);
-    ImGui::Spacing();
-    ImGui::Separator();
-    ImGui::Spacing();
-    light_panel(ui_, session_);
-    ImGui::End();
+  if (Session* session = workspace_.session()) {
+    build_session(*session);
+  } else {
+    const Picture& preview = workspace_.preview();
+    ui_.placement = place_picture(ui_.layout.picture, vec2(preview.width, preview.height), {});
+    load_view(ui_, workspace_);
   }
-  status_bar(ui_, session_);
+  menu_bar(ui_, workspace_);
+  status_bar(ui_, workspace_);
   help_window(ui_);
+  file_dialog(ui_, workspace_);
+}
+
+void Screen::build_session(Session& session) {
+  const vec2 picture_px(session.info().width, session.info().height);
+  ui_.placement = place_picture(ui_.layout.picture, picture_px, session.view());
+  light_manipulator(ui_, session);
+  picture_legend(ui_, session);
+  if (!ui_.show_panel) return;
+  begin_fixed_window("panel", ui_.layout.panel);
+  view_panel(ui_, session);
+  ImGui::Spacing();
+  ImGui::Separator();
+  ImGui::Spacing();
+  light_panel(ui_, session);
+  ImGui::End();
+}
+
+const Picture& Screen::picture() const {
+  const Session* session = workspace_.session();
+  return session != nullptr ? session->picture() : workspace_.preview();
 }
 
 void Screen::draw_picture(ivec2 size_px) {
+  if (drawn_session_ != workspace_.session_number()) frame_view_.forget();
+  drawn_session_ = workspace_.session_number();
   const vec2 scale = from_im(ImGui::GetIO().DisplayFramebufferScale);
-  const Picture& picture = session_.picture();
   const Placement& placement = ui_.placement;
-  const vec2 picture_px(picture.width, picture.height);
+  const vec2 picture_px(picture().width, picture().height);
   const Rect target{placement.origin * scale, placement.screen_from_film(picture_px) * scale};
   const Rect clip{placement.area.min * scale, placement.area.max * scale};
-  frame_view_.draw(picture, target, clip, size_px);
+  frame_view_.draw(picture(), target, clip, size_px);
 }
 
 }  // namespace relume

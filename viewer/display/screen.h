@@ -3,7 +3,7 @@
 #include "viewer/display/frame_view.h"
 #include "viewer/display/ui_renderer.h"
 #include "viewer/panels/ui_state.h"
-#include "viewer/session/session.h"
+#include "viewer/session/workspace.h"
 
 namespace relume {
 
@@ -16,12 +16,12 @@ struct ScreenOptions {
 /// panels over it. Owns the ImGui context; at most one at a time. Needs the OpenGL context current.
 class Screen {
  public:
-  Screen(Session& session, const GlTable& gl, const ScreenOptions& options);
+  Screen(Workspace& workspace, const GlTable& gl, const ScreenOptions& options);
   ~Screen();
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
-  /// Acts on ImGui's input, brings the session up to date and draws a frame. The caller has set
+  /// Acts on ImGui's input, brings the workspace up to date and draws a frame. The caller has set
   /// ImGui's display size, time step and input. Draws nothing when the framebuffer is empty.
   void draw(ivec2 size_px);
 
@@ -44,13 +44,16 @@ class Screen {
   };
 
   void build();
+  void build_session(Session& session);
   void draw_picture(ivec2 size_px);
+  const Picture& picture() const;
 
-  Session& session_;
+  Workspace& workspace_;
   const GlTable& gl_;
   Context context_;
   UiState ui_;
   FrameView frame_view_;
+  uint64_t drawn_session_ = 0;  ///< whose picture frame_view_ holds; 0 = the preview
   UiRenderer ui_renderer_;
 };
 

@@ -118,6 +118,10 @@ ScriptStep read_step(const Line& line) {
       if (line.rest.empty()) line.fail("write: type TEXT");
       step.text = line.rest;
       break;
+    case StepKind::drop:
+      if (line.rest.empty()) line.fail("write: drop PATH");
+      step.text = line.rest;
+      break;
     case StepKind::screenshot:
       read_screenshot(line, step);
       break;

@@ -22,6 +22,7 @@ enum class StepKind {
   wheel,       ///< turns the wheel by position.x notches
   key,         ///< presses the key named `text`, or types its one character
   type,        ///< types `text`
+  drop,        ///< drops the file `text` on the window
   wait,        ///< until picture and panels show what was asked for
   resize,      ///< the window to `position`
   screenshot,  ///< writes the window to the file `text` (.png)
@@ -37,6 +38,7 @@ inline constexpr std::array step_kind_labels = {
     Label<StepKind>{StepKind::wheel, "wheel"},
     Label<StepKind>{StepKind::key, "key"},
     Label<StepKind>{StepKind::type, "type"},
+    Label<StepKind>{StepKind::drop, "drop"},
     Label<StepKind>{StepKind::wait, "wait"},
     Label<StepKind>{StepKind::resize, "resize"},
     Label<StepKind>{StepKind::screenshot, "screenshot"},
@@ -57,11 +59,16 @@ struct Script {
 
 /// Parses one step a line: the step's label, then its arguments; "#" starts a comment.
 ///
-///     move X Y | move ITEM          drag ITEM DX DY
-///     move-by DX DY                 wheel NOTCHES
-///     press                         key KEY        (one character, enter, escape, tab or
-///     backspace) release                       type TEXT      (to the end of the line) click X Y |
-///     click ITEM        wait resize WIDTH HEIGHT           screenshot FILE.png
+///     move X Y | move ITEM          click X Y | click ITEM
+///     move-by DX DY                 drag ITEM DX DY
+///     press                         wheel NOTCHES
+///     release                       resize WIDTH HEIGHT
+///     key KEY                       wait
+///     type TEXT                     screenshot FILE.png
+///     drop PATH
+///
+/// KEY is a character, or ctrl+LETTER, or the name of a key such as enter or page-up, both with
+/// shift+ where wanted. TEXT and PATH go to the end of the line.
 ///
 /// Throws Error(input) naming the line.
 Script parse_script(const std::string& text, const std::string& place);

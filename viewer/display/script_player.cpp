@@ -15,16 +15,19 @@ constexpr float time_step_s = 1.0f / 60;
 constexpr int settle_frames = 3;  // ImGui needs two frames to lay out what changed
 constexpr int drag_moves = 4;
 
-const std::map<std::string, ImGuiKey, std::less<>> named_keys = {{"enter", ImGuiKey_Enter},
-                                                                 {"escape", ImGuiKey_Escape},
-                                                                 {"tab", ImGuiKey_Tab},
-                                                                 {"backspace", ImGuiKey_Backspace}};
+const std::map<std::string, ImGuiKey, std::less<>> named_keys = {
+    {"enter", ImGuiKey_Enter},       {"escape", ImGuiKey_Escape},
+    {"tab", ImGuiKey_Tab},           {"backspace", ImGuiKey_Backspace},
+    {"delete", ImGuiKey_Delete},     {"left", ImGuiKey_LeftArrow},
+    {"right", ImGuiKey_RightArrow},  {"up", ImGuiKey_UpArrow},
+    {"down", ImGuiKey_DownArrow},    {"page-up", ImGuiKey_PageUp},
+    {"page-down", ImGuiKey_PageDown}};
 
 class Player {
  public:
-  Player(Session& session, Screen& screen, const GlTable& gl, Surface& surface,
+  Player(Workspace& workspace, Screen& screen, const GlTable& gl, Surface& surface,
          std::filesystem::path folder)
-      : session_(session),
+      : workspace_(workspace),
         screen_(screen),
         gl_(gl),
         surface_(surface),
@@ -51,7 +54,7 @@ class Player {
     io_.MouseDown[0] = pressed_;
     screen_.draw(size);
     io_.MouseWheel = 0;
-    session_.wait(screen_.resting());
+    workspace_.wait(screen_.resting());
     require_no_gl_error(gl_, "drawing");
     surface_.present();
   }
@@ -90,19 +93,43 @@ class Player {
     settle();
   }
 
+  /// "ctrl+shift+z", "delete", "left" or one character to type.
   void press_key(const ScriptStep& step) {
-    const auto named = named_keys.find(step.text);
-    if (named == named_keys.end()) {
+    std::string name = step.text;
+    const auto take_prefix = [&name](const std::string& prefix) {
+      const bool has = name.starts_with(prefix) && name.size() > prefix.size();
+      if (has) name.erase(0, prefix.size());
+      return has;
+    };
+    io_.KeyCtrl = take_prefix("ctrl+");
+    io_.KeyShift = take_prefix("shift+");
+    const auto named = named_keys.find(name);
+    const bool is_letter = io_.KeyCtrl && name.size() == 1 && name[0] >= 'a' && name[0] <= 'z';
+    if (named == named_keys.end() && !is_letter) {
       if (step.text.size() != 1) {
         throw input_error(step.place, fmt::format("there is no key '{}'", step.text),
-                          "use one character, enter, escape, tab or backspace");
+                          "use one character, ctrl+ and a letter, or one of: " + key_names());
       }
       type_text(step.text);
       return;
     }
-    io_.KeysDown[named->second] = true;
+    const int key = is_letter ? name[0] - 'a' + 'A' : named->second;
+    io_.KeysDown[key] = true;
     frame();
-    io_.KeysDown[named->second] = false;
+    io_.KeysDown[key] = false;
+    io_.KeyCtrl = false;
+    io_.KeyShift = false;
+    settle();
+  }
+
+  static std::string key_names() {
+    std::string names;
+    for (const auto& [name, key] : named_keys) names += (names.empty() ? "" : ", ") + name;
+    return names;
+  }
+
+  void drop(const std::string& path) {
+    workspace_.open(path);
     settle();
   }
 
@@ -148,6 +175,8 @@ class Player {
         return press_key(step);
       case StepKind::type:
         return type_text(step.text);
+      case StepKind::drop:
+        return drop(step.text);
       case StepKind::wait:
         return settle();
       case StepKind::resize:
@@ -157,7 +186,7 @@ class Player {
     }
   }
 
-  Session& session_;
+  Workspace& workspace_;
   Screen& screen_;
   const GlTable& gl_;
   Surface& surface_;
@@ -169,9 +198,9 @@ class Player {
 
 }  // namespace
 
-void play_script(const Script& script, Session& session, Screen& screen, const GlTable& gl,
+void play_script(const Script& script, Workspace& workspace, Screen& screen, const GlTable& gl,
                  Surface& surface, const std::filesystem::path& folder) {
-  Player(session, screen, gl, surface, folder).play(script);
+  Player(workspace, screen, gl, surface, folder).play(script);
 }
 
 DisplayImage read_framebuffer(const GlTable& gl, ivec2 size_px) {

@@ -14,7 +14,7 @@ namespace relume {
 /// have been made without timings. Screenshots go to `folder`. Throws Error(input) naming the step
 /// when an item does not exist, Error(output) when OpenGL reports an error or a file cannot be
 /// written.
-void play_script(const Script& script, Session& session, Screen& screen, const GlTable& gl,
+void play_script(const Script& script, Workspace& workspace, Screen& screen, const GlTable& gl,
                  Surface& surface, const std::filesystem::path& folder);
 
 /// What stands in the framebuffer now, RGB.

@@ -5,6 +5,7 @@ namespace {
 
 constexpr float panel_width_in_fonts = 21;
 constexpr float status_height_in_fonts = 1.9f;
+constexpr float menu_height_in_fonts = 1.6f;
 constexpr float smallest_zoom = 1.0f / 16;
 constexpr float largest_zoom = 64;
 
@@ -15,8 +16,10 @@ Layout make_layout(vec2 window, float font_size, bool show_panel) {
   const float wanted = show_panel ? std::floor(panel_width_in_fonts * font_size) : 0;
   const float split_x = size.x - std::min(wanted, std::floor(0.5f * size.x));
   const float split_y = std::max(0.0f, size.y - std::floor(status_height_in_fonts * font_size));
-  return {.picture = {vec2(0), {split_x, split_y}},
-          .panel = {{split_x, 0}, {size.x, split_y}},
+  const float top = std::min(std::floor(menu_height_in_fonts * font_size), split_y);
+  return {.menu = {vec2(0), {size.x, top}},
+          .picture = {{0, top}, {split_x, split_y}},
+          .panel = {{split_x, top}, {size.x, split_y}},
           .status = {{0, split_y}, size}};
 }
 

@@ -17,6 +17,7 @@ struct Rect {
 
 /// How the parts of the window share it, in screen units. Every rectangle has a size >= 0.
 struct Layout {
+  Rect menu;  ///< along the top
   Rect picture;
   Rect panel;   ///< at the right; empty when hidden
   Rect status;  ///< along the bottom

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <string>
+#include <vector>
+
 #include "viewer/panels/item_table.h"
 #include "viewer/panels/placement.h"
 
@@ -18,15 +22,32 @@ struct Drag {
   vec2 start_screen{0};
 };
 
+/// The box for a path, and what it is for.
+struct FileDialog {
+  enum class Purpose { none, open, save, export_frame };
+  struct Entry {
+    std::string name;
+    bool is_folder = false;
+  };
+
+  Purpose purpose = Purpose::none;  ///< none: closed
+  std::array<char, 4096> path{};
+  std::string folder;  ///< that `entries` lists
+  std::vector<Entry> entries;
+  bool is_new = false;  ///< opened since the last frame
+};
+
 /// The user interface's own state: nothing that a session would save.
 struct UiState {
   ItemTable items;
   Layout layout;
   Placement placement;
   Drag drag;
+  FileDialog dialog;
   bool show_timings = true;  ///< off in scripted runs, whose pictures must not depend on the clock
   bool show_help = false;
   bool show_panel = true;
+  bool nudging = false;  ///< a light is being moved with the keyboard
   bool quit = false;
 };
 

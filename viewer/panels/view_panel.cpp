@@ -109,6 +109,43 @@ std::string quality_text(const SessionStatus& status) {
   return status.pixels == PixelShare::quarter ? ", coarse" : "";
 }
 
+/// What stands at the right end: what goes on, what happened last, or a hint.
+std::string news_line(const UiState& ui, const Workspace& workspace) {
+  const LoadStatus load = workspace.load_status();
+  if (load.working && ui.show_timings) {
+    return fmt::format("{} {:.0f} %", load.stage.empty() ? "opening" : load.stage,
+                       100 * load.fraction);
+  }
+  if (!workspace.notice().text.empty()) return workspace.notice().text;
+  return "drag a light in the picture,  ? shows the keys";
+}
+
+void status_line(UiState& ui, const Workspace& workspace) {
+  const Session* session = workspace.session();
+  std::string problem = session != nullptr ? session->status().problem : "";
+  if (problem.empty() && workspace.notice().is_problem) problem = workspace.notice().text;
+  if (!problem.empty()) {
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(problem_color), "%s", problem.c_str());
+    return;
+  }
+  if (session != nullptr) {
+    ImGui::TextUnformatted(scene_line(*session).c_str());
+    ImGui::SameLine(0, 2 * ImGui::GetFontSize());
+    ImGui::TextDisabled("%s", work_line(ui, *session).c_str());
+    ImGui::SameLine();
+  }
+  const std::string news = news_line(ui, workspace);
+  const float left = ui.layout.status.max.x - ImGui::CalcTextSize(news.c_str()).x -
+                     ImGui::GetStyle().WindowPadding.x;
+  if (ImGui::GetCursorScreenPos().x >= left && workspace.notice().text.empty()) return;
+  ImGui::SetCursorPosX(std::max(ImGui::GetCursorPosX(), left - ui.layout.status.min.x));
+  if (workspace.notice().text.empty()) {
+    ImGui::TextDisabled("%s", news.c_str());
+  } else {
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(accent_color), "%s", news.c_str());
+  }
+}
+
 }  // namespace
 
 void view_panel(UiState& ui, Session& session) {
@@ -141,27 +178,12 @@ void view_panel(UiState& ui, Session& session) {
   budget_rows(ui, session);
 }
 
-void status_bar(UiState& ui, const Session& session) {
+void status_bar(UiState& ui, const Workspace& workspace) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
                       {ImGui::GetStyle().WindowPadding.x, 0.4f * ImGui::GetFontSize()});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.1f, 0.1f, 0.1f, 1));
   begin_fixed_window("status", ui.layout.status);
-  const std::string& problem = session.status().problem;
-  if (!problem.empty()) {
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(problem_color), "%s", problem.c_str());
-  } else {
-    ImGui::TextUnformatted(scene_line(session).c_str());
-    ImGui::SameLine(0, 2 * ImGui::GetFontSize());
-    ImGui::TextDisabled("%s", work_line(ui, session).c_str());
-    constexpr const char* hint = "drag a light in the picture,  ? shows the keys";
-    const float left =
-        ui.layout.status.max.x - ImGui::CalcTextSize(hint).x - ImGui::GetStyle().WindowPadding.x;
-    ImGui::SameLine();
-    if (ImGui::GetCursorScreenPos().x < left) {
-      ImGui::SameLine(left - ui.layout.status.min.x);
-      ImGui::TextDisabled("%s", hint);
-    }
-  }
+  status_line(ui, workspace);
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopStyleVar();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "viewer/panels/ui_state.h"
-#include "viewer/session/session.h"
+#include "viewer/session/workspace.h"
 
 namespace relume {
 
@@ -9,7 +9,7 @@ namespace relume {
 void view_panel(UiState& ui, Session& session);
 
 /// Along the bottom: what was relit and how long it took, the measured error, problems.
-void status_bar(UiState& ui, const Session& session);
+void status_bar(UiState& ui, const Workspace& workspace);
 
 /// Over the picture: what it shows, and the heatmap's scale.
 void picture_legend(const UiState& ui, const Session& session);

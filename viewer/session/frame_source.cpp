@@ -24,6 +24,8 @@ class CacheSource final : public FrameSource {
     frame.work = make_frame_work(request, frame.stats);
   }
 
+  const RelightCache* cache() const override { return &cache_; }
+
  private:
   FrameWork make_frame_work(const RelightRequest& request, const RelightStats& stats) const {
     const auto lights = static_cast<int>(request.lights.size());

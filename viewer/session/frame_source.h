@@ -41,6 +41,9 @@ class FrameSource {
   /// `cancelled` became true, if it looks at it.
   virtual void render(const RelightRequest& request, const std::atomic<bool>& cancelled,
                       RelitFrame& frame) = 0;
+
+  /// The records that are relit; null where there are none.
+  virtual const RelightCache* cache() const { return nullptr; }
 };
 
 /// Relights `cache`. With `shadows` given it is used instead of the request's. Without a tracer

@@ -1,5 +1,7 @@
 #include "viewer/session/light_motion.h"
 
+#include "core/scene/limits.h"
+
 namespace relume {
 
 vec3 light_handle(const Light& light, const Bounds& bounds) {
@@ -11,7 +13,7 @@ vec3 light_handle(const Light& light, const Bounds& bounds) {
 void set_light_handle(Light& light, const Bounds& bounds, vec3 p_world) {
   if (!is_finite(p_world)) return;
   if (light.type != LightType::directional) {
-    light.position = p_world;
+    light.position = glm::clamp(p_world, vec3(-max_coordinate), vec3(max_coordinate));
     return;
   }
   light.direction = normalize_or(bounds.center() - p_world, light.direction);
@@ -32,6 +34,14 @@ vec3 move_along_axis(const CameraRays& rays, vec3 p_world, vec3 axis, float unit
   const float length_squared = glm::dot(axis_px, axis_px);
   if (!(length_squared >= 1)) return p_world;
   return p_world + axis * (unit * glm::dot(delta_px, axis_px) / length_squared);
+}
+
+vec3 move_as_target(const CameraRays& rays, const Camera& camera, vec3 p_world, vec3 motion) {
+  const float depth = rays.project(p_world).depth;
+  const float measured = depth > 0 ? depth : rays.project(camera.target).depth;
+  const float world_per_px = rays.footprint_per_depth() * measured;
+  return (rays.right() * motion.x - rays.up() * motion.y + rays.forward() * motion.z) *
+         world_per_px;
 }
 
 }  // namespace relume

@@ -22,4 +22,9 @@ vec3 move_in_view_plane(const CameraRays& rays, vec3 p_world, vec2 delta_px);
 /// Nothing moves when the axis points (almost) at the eye, below a pixel per `unit` of its length.
 vec3 move_along_axis(const CameraRays& rays, vec3 p_world, vec3 axis, float unit, vec2 delta_px);
 
+/// How far a press of an arrow key moves a light at `p_world`: `motion` to the right, down and away
+/// from the eye, in film pixels at the light's depth, or at that of the camera's target where the
+/// light is behind the eye.
+vec3 move_as_target(const CameraRays& rays, const Camera& camera, vec3 p_world, vec3 motion);
+
 }  // namespace relume

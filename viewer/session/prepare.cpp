@@ -24,17 +24,19 @@ struct StageClock {
 };
 
 PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& reduction,
-                            const ReductionLights& lights, const PackParams& pack, int index,
-                            StageClock& clock) {
+                            const ReductionLights& lights, const PrepareParams& params,
+                            CacheFormat format, int index, StageClock& clock) {
   const Timer timer;
   const SampleTile samples = sample_tile(view, index);
   const double sampled_ms = timer.ms();
   const SampleTile records = reduce_tile(samples, view.types.types, reduction, view.width, lights);
   const double reduced_ms = timer.ms();
-  PackedTileData packed = pack_tile(records, view.types.types, pack);
+  PackedTileData packed = pack_tile(records, view.types.types, {format, view.scene->camera});
+  const double packed_ms = timer.ms();
+  if (params.on_tile) params.on_tile(view, records);
   clock.sample_us += static_cast<int64_t>(sampled_ms * 1e3);
   clock.reduce_us += static_cast<int64_t>((reduced_ms - sampled_ms) * 1e3);
-  clock.pack_us += static_cast<int64_t>((timer.ms() - reduced_ms) * 1e3);
+  clock.pack_us += static_cast<int64_t>((packed_ms - reduced_ms) * 1e3);
   clock.samples += samples.row_count();
   return packed;
 }
@@ -106,7 +108,7 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
     batch.assign(count, {});
     parallel_for(count, 1, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        batch[i] = prepare_tile(view, reduction, lights->lights(), {format, scene.camera},
+        batch[i] = prepare_tile(view, reduction, lights->lights(), params, format,
                                 static_cast<int>(first + i), clock);
       }
     });

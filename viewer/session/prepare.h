@@ -1,10 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "core/base/progress.h"
 #include "core/samples/relight_cache.h"
+#include "core/samples/sample_scene.h"
 #include "core/trace/tracer.h"
 #include "reduction/budget.h"
 #include "reduction/reduction.h"
@@ -25,6 +27,8 @@ struct PrepareParams {
   ShadowMethod frame_shadows = ShadowMethod::none;  ///< FrameGoal::shadows
   int width = 0;                                    ///< pixels; 0 = the scene's
   int height = 0;                                   ///< pixels; 0 = the scene's
+  /// Called with the records of each tile, from working threads, in any order; may be empty.
+  std::function<void(const ViewSampler& view, const SampleTile& records)> on_tile;
 };
 
 struct PrepareStats {

@@ -38,20 +38,28 @@ Session::Session(SessionParts parts)
       rays_(info_.camera, info_.width, info_.height),
       view_(std::move(parts.view)) {
   CHECK(parts.frames != nullptr);
+  cache_ = parts.frames->cache();
   const size_t pixels = static_cast<size_t>(info_.width) * info_.height;
   CHECK_MSG(info_.record_counts.size() == pixels, "{} of {}", info_.record_counts.size(), pixels);
   frame_.worker = std::make_unique<RelightWorker>(std::move(parts.frames));
-  if (parts.reference) {
-    reference_.worker = std::make_unique<RelightWorker>(std::move(parts.reference));
-  }
-  info_.has_reference = reference_.worker != nullptr;
+  info_.has_reference = false;
+  if (parts.reference) set_reference(std::move(parts.reference));
 }
 
 Session::~Session() = default;
 
 void Session::set_notify(const std::function<void()>& notify) {
+  notify_ = notify;
   frame_.worker->set_notify(notify);
   if (reference_.worker) reference_.worker->set_notify(notify);
+}
+
+void Session::set_reference(std::unique_ptr<FrameSource> source) {
+  CHECK(source != nullptr && reference_.worker == nullptr);
+  reference_cache_ = source->cache();
+  reference_.worker = std::make_unique<RelightWorker>(std::move(source));
+  reference_.worker->set_notify(notify_);
+  info_.has_reference = true;
 }
 
 void Session::update(bool resting) {
@@ -81,7 +89,7 @@ bool Session::ask(bool resting) {
 /// A picture that was not asked for yet comes coarse when all of it would take too long; the rest
 /// follows when that was taken, unless a newer picture is asked for meanwhile.
 bool Session::ask_frame(bool resting) {
-  RelightRequest request{view_.lights, view_.shadows};
+  RelightRequest request{shown_lights(view_), view_.shadows};
   request.dragging = !resting;
   const RelightRequest* before = frame_.version > 0 ? &frame_.latest.request : nullptr;
   if (!frame_.asked || !same_picture(*frame_.asked, request)) {
@@ -101,7 +109,7 @@ bool Session::ask_frame(bool resting) {
 bool Session::ask_reference(bool resting) {
   if (!reference_.worker) return false;
   const RelightRequest request{
-      .lights = view_.lights, .shadows = ShadowMethod::ray, .may_stop = true};
+      .lights = shown_lights(view_), .shadows = ShadowMethod::ray, .may_stop = true};
   const bool is_asked = reference_.asked && same_picture(*reference_.asked, request);
   if (reference_.asked && !is_asked) {
     reference_.worker->stop();
@@ -145,11 +153,12 @@ void Session::take(Channel& channel) {
 
 bool Session::frame_is_current() const {
   const RelightRequest& shown = frame_.latest.request;
-  return shown.shadows == view_.shadows && same_lighting(shown.lights, view_.lights);
+  return shown.shadows == view_.shadows && same_lighting(shown.lights, shown_lights(view_));
 }
 
 bool Session::reference_is_current() const {
-  return reference_.version > 0 && same_lighting(reference_.latest.request.lights, view_.lights);
+  return reference_.version > 0 &&
+         same_lighting(reference_.latest.request.lights, shown_lights(view_));
 }
 
 bool Session::is_refined() const {

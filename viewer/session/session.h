@@ -82,6 +82,15 @@ class Session {
   const SessionInfo& info() const { return info_; }
   const CameraRays& rays() const { return rays_; }
 
+  /// The scene's ray tracer; null when only a cache is open. Thread-safe.
+  const Tracer* tracer() const { return tracer_.get(); }
+  /// The records behind the frame, and behind the reference; null where the source has none.
+  const RelightCache* cache() const { return cache_; }
+  const RelightCache* reference_cache() const { return reference_cache_; }
+
+  /// Adds the reference where there is none yet. `source` relights with traced shadows.
+  void set_reference(std::unique_ptr<FrameSource> source);
+
   /// Edited in place; update() notices what changed.
   ViewState& view() { return view_; }
   const ViewState& view() const { return view_; }
@@ -151,6 +160,9 @@ class Session {
   SessionStatus status_;
   std::string view_problem_;
   std::optional<PaintKey> painted_;
+  std::function<void()> notify_;
+  const RelightCache* cache_ = nullptr;
+  const RelightCache* reference_cache_ = nullptr;
   FrameBudget budget_;
   Channel frame_;  // the channels go first: their sources may use tracer_
   Channel reference_;

@@ -53,6 +53,8 @@ constexpr float record_map_range(int k) {
 struct ViewState {
   std::vector<Light> lights;
   int selected_light = -1;  ///< index into lights, or -1
+  /// Ascending indices into lights; unless there are none, the other lights are dark.
+  std::vector<int> solo_lights;
   ShownPicture shown = ShownPicture::frame;
   ShadowMethod shadows = ShadowMethod::ray;
   DisplayTransform display;
@@ -66,6 +68,12 @@ struct ViewState {
   float zoom = 0;          ///< screen pixels per picture pixel; 0 = fit into the window
   vec2 zoom_center_px{0};  ///< picture position in the middle of the window when zoom > 0
 };
+
+/// The lights as the picture shows them: muted where others are soloed.
+std::vector<Light> shown_lights(const ViewState& view);
+
+/// True when the two are equal in everything, names included.
+bool same_light(const Light& a, const Light& b);
 
 /// True when both give the same frame: lights equal in all but their names.
 bool same_lighting(std::span<const Light> a, std::span<const Light> b);

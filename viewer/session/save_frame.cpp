@@ -1,4 +1,4 @@
-#include "viewer/commands/save_frame.h"
+#include "viewer/session/save_frame.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,6 @@
 
 #include "core/image/display_transform.h"
 #include "core/relight/relight.h"
-#include "viewer/commands/options.h"
 
 namespace relume {
 

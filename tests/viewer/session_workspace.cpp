@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/viewer/fake_session.h"
+#include "viewer/session/recent_files.h"
+#include "viewer/session/workspace.h"
+
+namespace relume {
+namespace {
+
+using test::TemporaryFolder;
+
+/// Opens fake sessions; "bad" and "stuck" do what they say.
+OpenedInput open_fake(const SessionFile& file, const ProgressCallback& progress, PreparePreview&) {
+  if (file.input.ends_with("bad")) throw input_error(file.input, "is bad", "take another");
+  while (file.input.ends_with("stuck")) {
+    if (!progress("stuck", 0.5, 1)) throw Error(ErrorKind::cancelled, "stopped");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  OpenedInput opened;
+  opened.session = std::make_unique<Session>(make_fake_parts({.reference = false}));
+  opened.make_reference = [](const ProgressCallback&) {
+    return std::move(make_fake_parts().reference);
+  };
+  return opened;
+}
+
+struct Desk {
+  explicit Desk(const std::filesystem::path& state, const std::string& input = "hair")
+      : workspace(open_fake, input, {.state_folder = state, .work_folder = state}) {
+    workspace.wait(true);
+  }
+  ViewState& view() { return workspace.session()->view(); }
+  /// An edit, as one frame of the window makes it.
+  void set_gain(float gain) {
+    view().lights[0].gain = gain;
+    workspace.wait(true);
+  }
+  Workspace workspace;
+};
+
+TEST(Workspace, OpensInTheBackgroundAndAddsTheReferenceLater) {
+  const TemporaryFolder folder;
+  Desk desk(folder.path());
+  ASSERT_NE(desk.workspace.session(), nullptr);
+  EXPECT_TRUE(desk.workspace.session()->info().has_reference);
+  desk.view().shown = ShownPicture::reference;
+  desk.workspace.wait(true);
+  EXPECT_EQ(desk.workspace.session()->status().painted, ShownPicture::reference);
+}
+
+TEST(Workspace, AFailedFirstInputThrowsWhatItFailedWith) {
+  const TemporaryFolder folder;
+  Desk desk(folder.path(), "bad");
+  EXPECT_EQ(desk.workspace.session(), nullptr);
+  EXPECT_THROW(desk.workspace.require_session(), Error);
+  EXPECT_TRUE(desk.workspace.notice().is_problem);
+}
+
+TEST(Workspace, AFailedLaterInputLeavesWhatIsOpen) {
+  const TemporaryFolder folder;
+  Desk desk(folder.path());
+  desk.set_gain(3);
+  desk.workspace.open("bad");
+  desk.workspace.wait(true);
+  ASSERT_NE(desk.workspace.session(), nullptr);
+  EXPECT_EQ(desk.view().lights[0].gain, 3);
+  EXPECT_NE(desk.workspace.notice().text.find("is bad"), std::string::npos);
+  EXPECT_NO_THROW(desk.workspace.require_session());
+}
+
+TEST(Workspace, ClosesWhileOpening) {
+  const TemporaryFolder folder;
+  Workspace workspace(open_fake, "stuck", {.state_folder = folder.path()});
+  workspace.update(true);
+  EXPECT_EQ(workspace.session(), nullptr);
+  workspace.open("stuck");
+  workspace.update(true);
+}
+
+TEST(Workspace, OneDragIsOneStep) {
+  const TemporaryFolder folder;
+  Desk desk(folder.path());
+  for (int i = 1; i < 10; ++i) {
+    desk.view().lights[0].position.x = static_cast<float>(i);
+    desk.workspace.update(false);
+  }
+  desk.workspace.update(true);
+  EXPECT_EQ(desk.workspace.history().step_count(), 1u);
+  desk.workspace.undo();
+  EXPECT_EQ(desk.view().lights[0].position.x, 0);
+  desk.workspace.redo();
+  EXPECT_EQ(desk.view().lights[0].position.x, 9);
+}
+
+TEST(Workspace, KnowsWhatIsNotSaved) {
+  const TemporaryFolder folder;
+  Desk desk(folder.path());
+  EXPECT_FALSE(desk.workspace.is_modified());
+  desk.set_gain(3);
+  EXPECT_TRUE(desk.workspace.is_modified());
+  ASSERT_TRUE(desk.workspace.save(folder.file("mine")));
+  EXPECT_EQ(desk.workspace.document().filename(), "mine.json");
+  EXPECT_FALSE(desk.workspace.is_modified());
+  desk.workspace.undo();
+  EXPECT_TRUE(desk.workspace.is_modified());
+  desk.set_gain(4);  // as many steps as were saved, but others
+  EXPECT_TRUE(desk.workspace.is_modified());
+}
+
+TEST(Workspace, ASavedSessionComesBack) {
+  const TemporaryFolder folder;
+  {
+    Desk desk(folder.path());
+    desk.set_gain(3);
+    desk.view().display.exposure = 1.5f;
+    ASSERT_TRUE(desk.workspace.save(folder.file("mine.json")));
+  }
+  Desk desk(folder.path(), folder.file("mine.json").string());
+  EXPECT_EQ(desk.view().lights[0].gain, 3);
+  EXPECT_EQ(desk.view().display.exposure, 1.5f);
+  EXPECT_EQ(desk.workspace.snapshot().input, "hair");
+  EXPECT_FALSE(desk.workspace.is_modified());
+}
+
+TEST(Workspace, SavingWhereItCannotIsANotice) {
+  const TemporaryFolder folder;
+  Desk desk(folder.path());
+  EXPECT_FALSE(desk.workspace.save(folder.path() / "missing" / "mine.json"));
+  EXPECT_TRUE(desk.workspace.notice().is_problem);
+  EXPECT_TRUE(desk.workspace.document().empty());
+}
+
+TEST(Workspace, WorkThatWasNotSavedIsRestoredAfterAKill) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  // The same folder in the process that ends.
+  const std::filesystem::path state = std::filesystem::path(testing::TempDir()) / "relume_killed";
+  EXPECT_EXIT(
+      {
+        Desk desk(state);
+        desk.set_gain(3);
+        std::_Exit(9);  // nothing is tidied up
+      },
+      testing::ExitedWithCode(9), "");
+  {
+    Desk desk(state);
+    EXPECT_EQ(desk.view().lights[0].gain, 3);
+    EXPECT_NE(desk.workspace.notice().text.find("restored"), std::string::npos);
+    desk.workspace.undo();
+    EXPECT_EQ(desk.view().lights[0].gain, 1);
+  }
+  std::filesystem::remove_all(state);
+}
+
+TEST(Workspace, LeavingKeepsTheWorkAsTheLastSession) {
+  const TemporaryFolder folder;
+  {
+    Desk desk(folder.path());
+    desk.set_gain(3);
+  }
+  EXPECT_FALSE(std::filesystem::exists(autosave_file(folder.path(), "hair")));
+  Desk fresh(folder.path());
+  EXPECT_EQ(fresh.view().lights[0].gain, 1);
+  const std::vector<std::string> recent = fresh.workspace.recent_files();
+  ASSERT_EQ(recent.size(), 2u);
+  EXPECT_EQ(recent[0], "hair");
+  Desk last(folder.path(), recent[1]);
+  EXPECT_EQ(last.view().lights[0].gain, 3);
+}
+
+TEST(Workspace, ABrokenAutosaveIsANoticeAndNoMore) {
+  const TemporaryFolder folder;
+  write_file_atomic(autosave_file(folder.path(), "hair"), std::string("{\"schema\": \"relume-s"));
+  Desk desk(folder.path());
+  ASSERT_NE(desk.workspace.session(), nullptr);
+  EXPECT_TRUE(desk.workspace.notice().is_problem);
+  EXPECT_EQ(desk.view().lights[0].gain, 1);
+}
+
+TEST(Workspace, TakesTheLightsOfALightFile) {
+  const TemporaryFolder folder;
+  Desk desk(folder.path());
+  write_file_atomic(folder.file("l.json"),
+                    std::string(R"({"lights": [{"name": "only", "gain": 5}]})"));
+  desk.workspace.open(folder.file("l.json").string());
+  desk.workspace.wait(true);
+  ASSERT_EQ(desk.view().lights.size(), 1u);
+  EXPECT_EQ(desk.view().lights[0].gain, 5);
+  desk.workspace.undo();
+  EXPECT_EQ(desk.view().lights.size(), 2u);
+}
+
+TEST(RecentFiles, AreNewestFirstOnceAndTen) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 14; ++i) add_recent_file(folder.path(), fmt::format("f{}", i % 12));
+  const std::vector<std::string> files = read_recent_files(folder.path());
+  ASSERT_EQ(files.size(), 10u);
+  EXPECT_EQ(files[0], "f1");
+  EXPECT_EQ(files[1], "f0");
+  EXPECT_EQ(files[2], "f11");
+  write_file_atomic(folder.file("recent.json"), std::string("[3]"));
+  EXPECT_TRUE(read_recent_files(folder.path()).empty());
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,361 @@
+#include "viewer/session/workspace.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/scene/io/load_scene.h"
+#include "viewer/session/recent_files.h"
+#include "viewer/session/render_command.h"
+#include "viewer/session/save_frame.h"
+
+namespace relume {
+namespace {
+
+/// A built-in scene's label stays; a path becomes absolute, so that it means the same tomorrow.
+std::string absolute_input(const std::string& input) {
+  const std::vector<std::string> builtin = builtin_scene_names();
+  if (std::find(builtin.begin(), builtin.end(), input) != builtin.end()) return input;
+  return std::filesystem::absolute(input).lexically_normal().string();
+}
+
+bool is_json(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".json";
+}
+
+/// True for a text that holds lights and no scene.
+bool is_light_file(const std::string& text) {
+  return text.find("\"geometry\"") == std::string::npos &&
+         text.find("\"lights\"") != std::string::npos;
+}
+
+/// Everything that an export needs, apart from the session's own state.
+struct FrameExport {
+  const RelightCache* cache;
+  const Tracer* tracer;
+  std::vector<Light> lights;
+  ShadowMethod shadows;
+  DisplayTransform display;
+  std::filesystem::path path;
+};
+
+Notice write_frame(const FrameExport& job) {
+  try {
+    const auto source = job.shadows == ShadowMethod::none || job.tracer == nullptr
+                            ? nullptr
+                            : make_shadow(job.shadows, *job.tracer, *job.cache);
+    RelightState state = make_relight_state(*job.cache);
+    relight(state, job.lights, source.get());
+    save_frame(state, job.display, job.path);
+  } catch (const std::exception& failure) {
+    return {printable(failure.what(), 400), true};
+  }
+  return {fmt::format("wrote {}", job.path.string())};
+}
+
+}  // namespace
+
+Workspace::Workspace(std::unique_ptr<Session> session, SessionFile origin, WorkspaceOptions options)
+    : options_(std::move(options)), origin_(std::move(origin)) {
+  adopt(std::move(session));
+}
+
+Workspace::Workspace(InputOpener opener, const std::string& input, WorkspaceOptions options)
+    : options_(std::move(options)), opener_(std::move(opener)) {
+  open(input);
+}
+
+Workspace::~Workspace() {
+  loader_.reset();
+  leave_session();
+}
+
+void Workspace::set_notify(std::function<void()> notify) {
+  const std::lock_guard lock(notify_mutex_);
+  notify_ = std::move(notify);
+}
+
+void Workspace::tell() {
+  const std::lock_guard lock(notify_mutex_);
+  if (notify_) notify_();
+}
+
+void Workspace::require_session() const {
+  if (!session_ && loader_) loader_->rethrow_failure();
+}
+
+void Workspace::open(const std::string& input) {
+  try {
+    SessionFile file;
+    file.input = absolute_input(input);
+    file.prepare = options_.prepare;
+    file.seed = options_.seed;
+    if (is_json(input)) {
+      const std::string text = read_text_file(input, uint64_t{64} << 20);
+      if (is_session(text)) {
+        file = parse_session(text, input);
+        open_session(std::move(file), true, absolute_input(input));
+        return;
+      }
+      if (session_ && is_light_file(text)) {
+        session_->view().lights = parse_lights(text, input);
+        session_->view().solo_lights.clear();
+        session_->view().selected_light = session_->view().lights.empty() ? -1 : 0;
+        set_notice("took the lights of " + input);
+        return;
+      }
+    }
+    open_session(std::move(file), false, {});
+  } catch (const std::exception& failure) {
+    set_notice(printable(failure.what(), 400), true);
+  }
+}
+
+void Workspace::open_session(SessionFile file, bool has_view, std::filesystem::path document) {
+  if (!opener_) {
+    set_notice("this window cannot open other inputs", true);
+    return;
+  }
+  loader_.reset();
+  loaded_view_ = has_view;
+  loaded_document_ = std::move(document);
+  notice_ = {};
+  preview_.rgba.clear();
+  loader_ = std::make_unique<InputLoader>(opener_, std::move(file), [this] { tell(); });
+}
+
+void Workspace::take_loaded() {
+  if (!loader_) return;
+  if (std::unique_ptr<Session> session = loader_->take_session()) {
+    leave_session();
+    origin_ = loader_->file();
+    document_ = loaded_document_;
+    if (loaded_view_) session->view() = origin_.view;
+    adopt(std::move(session));
+  }
+  if (std::unique_ptr<FrameSource> reference = loader_->take_reference()) {
+    session_->set_reference(std::move(reference));
+  }
+  const LoadStatus status = loader_->status();
+  if (!status.problem.empty() && notice_.text != status.problem) set_notice(status.problem, true);
+}
+
+void Workspace::leave_session() {
+  if (exporting_.valid()) exporting_.wait();
+  take_export();
+  if (session_) session_->set_notify({});
+  close_autosave();
+}
+
+void Workspace::adopt(std::unique_ptr<Session> session) {
+  session_ = std::move(session);
+  ++session_number_;
+  session_->set_notify([this] { tell(); });
+  if (session_->cache() != nullptr) {
+    origin_.prepare = chosen_options(origin_.prepare, session_->cache()->info());
+  }
+  history_.reset(session_->view());
+  saved_step_ = 0;
+  has_saved_step_ = true;
+  autosaved_ = format_session(snapshot());
+  restore_autosave();
+  if (!origin_.input.empty()) {
+    add_recent_file(options_.state_folder, document_.empty() ? origin_.input : document_.string());
+  }
+}
+
+std::filesystem::path Workspace::autosave_path() const {
+  return autosave_file(options_.state_folder,
+                       document_.empty() ? origin_.input : document_.string());
+}
+
+void Workspace::restore_autosave() {
+  if (options_.state_folder.empty()) return;
+  const std::filesystem::path path = autosave_path();
+  std::error_code missing;
+  if (!std::filesystem::exists(path, missing)) return;
+  try {
+    const SessionFile saved = parse_session(read_text_file(path, max_session_bytes), path.string());
+    if (saved.input != origin_.input) return;
+    session_->view() = saved.view;
+    if (history_.commit(session_->view())) {
+      set_notice("restored the work that was not saved;  ctrl+z goes back");
+    }
+  } catch (const Error& failure) {
+    set_notice(printable(failure.what(), 400), true);
+  }
+}
+
+void Workspace::update(bool resting) {
+  take_loaded();
+  take_export();
+  paint_preview();
+  if (!session_) return;
+  if (resting && history_.commit(session_->view())) {
+    notice_ = {};
+    // An undo and another edit lead to the same number of steps.
+    if (history_.step_count() <= saved_step_) has_saved_step_ = false;
+  }
+  if (resting) autosave();
+  session_->update(resting);
+}
+
+void Workspace::wait(bool resting) {
+  if (loader_) loader_->wait();
+  if (exporting_.valid()) exporting_.wait();
+  update(resting);
+  if (session_) session_->wait(resting);
+  writer_.wait();
+}
+
+void Workspace::undo() {
+  if (!session_) return;
+  if (!history_.undo(session_->view())) set_notice("nothing to undo");
+}
+
+void Workspace::redo() {
+  if (!session_) return;
+  if (!history_.redo(session_->view())) set_notice("nothing to redo");
+}
+
+bool Workspace::is_modified() const {
+  return !has_saved_step_ || history_.step_count() != saved_step_;
+}
+
+SessionFile Workspace::snapshot() const {
+  SessionFile file = origin_;
+  if (session_) file.view = session_->view();
+  return file;
+}
+
+bool Workspace::save(const std::filesystem::path& path) {
+  if (!session_) return false;
+  try {
+    std::filesystem::path target = std::filesystem::absolute(path).lexically_normal();
+    if (target.extension().empty()) target += ".json";
+    write_file_atomic(target, format_session(snapshot()));
+    history_.commit(session_->view());
+    remove_autosave();
+    document_ = target;
+    saved_step_ = history_.step_count();
+    has_saved_step_ = true;
+    autosaved_ = format_session(snapshot());
+    add_recent_file(options_.state_folder, document_.string());
+    set_notice("saved " + document_.string());
+    return true;
+  } catch (const std::exception& failure) {
+    set_notice(printable(failure.what(), 400), true);
+    return false;
+  }
+}
+
+void Workspace::autosave() {
+  if (options_.state_folder.empty()) return;
+  std::string text = format_session(snapshot());
+  if (text == autosaved_) return;
+  autosaved_ = text;
+  writer_.write(autosave_path(), std::move(text));
+}
+
+/// Nothing is lost by leaving: what is not saved becomes the last session, among the recent files.
+void Workspace::close_autosave() {
+  if (options_.state_folder.empty() || !session_) return;
+  if (is_modified()) {
+    const std::filesystem::path last = options_.state_folder / "last-session.json";
+    writer_.write(last, format_session(snapshot()));
+    add_recent_file(options_.state_folder, last.string());
+  }
+  remove_autosave();
+}
+
+void Workspace::remove_autosave() {
+  if (!options_.state_folder.empty()) writer_.remove(autosave_path());
+}
+
+void Workspace::export_frame(const std::filesystem::path& path) {
+  if (!session_ || session_->cache() == nullptr) {
+    set_notice("there is no frame to export", true);
+    return;
+  }
+  if (exporting_.valid()) {
+    set_notice("a frame is still being written", true);
+    return;
+  }
+  const bool all_samples = shows_all_samples(*session_);
+  FrameExport job{all_samples ? session_->reference_cache() : session_->cache(),
+                  session_->tracer(),
+                  shown_lights(session_->view()),
+                  all_samples ? ShadowMethod::ray : session_->view().shadows,
+                  session_->view().display,
+                  std::filesystem::absolute(path).lexically_normal()};
+  set_notice("writing " + job.path.string());
+  exporting_ = std::async(std::launch::async, [this, job = std::move(job)] {
+    const Notice notice = write_frame(job);
+    tell();
+    return notice;
+  });
+}
+
+void Workspace::export_next_frame() {
+  std::string stem = session_ ? printable(session_->info().title, 80) : "frame";
+  std::replace(stem.begin(), stem.end(), '/', '_');
+  std::filesystem::path path;
+  std::error_code unreadable;
+  int number = 1;
+  do {
+    path = options_.work_folder / fmt::format("{}-{:03}.exr", stem, number++);
+  } while (std::filesystem::exists(path, unreadable));
+  export_frame(path);
+}
+
+void Workspace::take_export() {
+  using namespace std::chrono_literals;
+  if (!exporting_.valid() || exporting_.wait_for(0s) != std::future_status::ready) return;
+  notice_ = exporting_.get();
+}
+
+std::string Workspace::copy_command() {
+  if (!session_) return {};
+  try {
+    const std::string text = format_lights(shown_lights(session_->view()));
+    const std::filesystem::path folder =
+        options_.state_folder.empty() ? options_.work_folder : options_.state_folder;
+    make_folder(folder);
+    const std::filesystem::path lights = lights_file(folder, text);
+    write_file_atomic(lights, text);
+    set_notice("copied the command that renders this picture");
+    return render_command(origin_, *session_, absolute_input(lights.string()), "frame.exr");
+  } catch (const std::exception& failure) {
+    set_notice(printable(failure.what(), 400), true);
+    return {};
+  }
+}
+
+void Workspace::set_notice(const std::string& text, bool is_problem) {
+  notice_ = {text, is_problem};
+}
+
+LoadStatus Workspace::load_status() const {
+  return loader_ ? loader_->status() : LoadStatus{};
+}
+
+std::vector<std::string> Workspace::recent_files() const {
+  return read_recent_files(options_.state_folder);
+}
+
+void Workspace::paint_preview() {
+  if (!loader_ || session_) return;
+  Image image;
+  if (!loader_->take_preview(image)) return;
+  preview_.width = image.width;
+  preview_.height = image.height;
+  preview_.rgba.resize(4 * image.pixel_count());
+  apply_display_rgba(image, {}, preview_.rgba);
+  ++preview_.version;
+}
+
+}  // namespace relume
