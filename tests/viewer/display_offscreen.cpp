@@ -5,10 +5,13 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "core/scene/io/load_scene.h"
+#include "core/shade/shaders.h"
 #include "tests/viewer/fake_session.h"
 #include "viewer/display/osmesa_surface.h"
 #include "viewer/display/run_viewer.h"
 #include "viewer/display/script_player.h"
+#include "viewer/session/prepare.h"
 
 namespace relume {
 namespace {
@@ -30,7 +33,9 @@ std::filesystem::path fresh_folder(const std::string& name) {
 /// The viewer off screen, kept between scripts so that a test can look inside.
 struct Stage {
   explicit Stage(ivec2 size_px = {1280, 800}, const FakeSessionOptions& options = {})
-      : workspace(std::make_unique<Session>(make_fake_parts(options))),
+      : Stage(std::make_unique<Session>(make_fake_parts(options)), size_px) {}
+  explicit Stage(std::unique_ptr<Session> opened, ivec2 size_px = {1280, 800})
+      : workspace(std::move(opened)),
         session(*workspace.session()),
         surface(size_px),
         gl(load_gl_table(surface.loader())),
@@ -236,6 +241,84 @@ TEST(Offscreen, TheSessionIsSavedThroughTheBox) {
   EXPECT_EQ(read_bytes(folder / "mine.json").find("\"gain\": 1,"), std::string::npos);
   stage.play("key ctrl+shift+s\nclick dialog.entry.mine.json\nclick dialog.cancel");
   EXPECT_FALSE(stage.screen.ui().items.find("dialog.path").has_value());
+}
+
+TEST(Offscreen, ColorTemperatureAndNameOfALight) {
+  Stage stage;
+  const ViewState& view = stage.session.view();
+  stage.play("drag light.kelvin -40 0");
+  const vec3 warm = view.lights[0].color;
+  EXPECT_GT(warm.x, warm.z);
+  EXPECT_EQ(stage.workspace.history().step_count(), 1u);
+  stage.play("click light.name\nkey ctrl+a\ntype sun.1\nkey enter");
+  EXPECT_EQ(view.lights[0].name, "sun_1");
+  stage.play("click lights.2.solo\nclick lights.1.solo\nclick lights.1.solo");
+  EXPECT_EQ(view.solo_lights, std::vector<int>{1});
+  stage.play("click lights.add\nclick lights.copy\nclick lights.1\nclick lights.delete");
+  EXPECT_EQ(view.lights.size(), 3u);
+  EXPECT_EQ(view.solo_lights, std::vector<int>{0});
+}
+
+TEST(Offscreen, ASpotsConesAndAimAreDragged) {
+  Stage stage;
+  Light& spot = stage.session.view().lights[0];
+  spot.type = LightType::spot;
+  spot.position = vec3(-1.5f, 0.8f, 0);
+  spot.direction = vec3(1, -0.5f, -0.2f);
+  spot.outer_angle_deg = 20;
+  spot.inner_angle_deg = 12;
+  stage.play("wait");
+  const auto drag_outwards = [&stage](const std::string& item, float pixels) {
+    const vec2 outwards = glm::normalize(stage.center(item) - stage.center("spot.aim")) * pixels;
+    stage.play(fmt::format("drag {} {:.0f} {:.0f}", item, outwards.x, outwards.y));
+  };
+  drag_outwards("spot.outer", 20);
+  EXPECT_GT(spot.outer_angle_deg, 21);
+  EXPECT_EQ(spot.inner_angle_deg, 12);
+  drag_outwards("spot.inner", -15);
+  EXPECT_LT(spot.inner_angle_deg, 11.5f);
+  const vec2 before = stage.center("spot.aim");
+  stage.play("drag spot.aim -30 25");
+  EXPECT_NEAR(glm::distance(stage.center("spot.aim"), before + vec2(-30, 25)), 0, 15)
+      << "what it is aimed at lies at another depth";
+  EXPECT_EQ(spot.position, vec3(-1.5f, 0.8f, 0));
+  EXPECT_EQ(stage.workspace.history().step_count(), 4u) << "the spot itself, and three drags";
+  const float distance = glm::distance(spot.position, vec3(0));
+  stage.play("drag axis.aim -30 15");
+  EXPECT_GT(glm::distance(spot.position, vec3(0)), distance);
+}
+
+/// The built-in spheres, small, with their ray tracer.
+std::unique_ptr<Session> open_spheres() {
+  auto scene = std::make_unique<const Scene>(load_scene("spheres", shader_table()));
+  auto tracer = std::make_unique<const Tracer>(*scene);
+  PrepareParams params;
+  params.spp = 4;
+  params.reduction.records = 2;
+  params.width = params.height = 64;
+  RelightCache cache = prepare_in_memory(*scene, *tracer, params, {});
+  return std::unique_ptr<Session>(
+      new Session(make_session(std::move(scene), std::move(tracer), std::move(cache), {})));
+}
+
+TEST(Offscreen, AClickPutsTheHighlightThere) {
+  Stage stage(open_spheres());
+  const Light& light = stage.session.view().lights[0];
+  const Light start = light;
+  stage.play("click tool.highlight\nclick 480 330");
+  const vec2 film = stage.screen.ui().placement.film_from_screen(vec2(480, 330));
+  const auto surface = find_surface(*stage.session.tracer(), stage.session.rays(), film);
+  ASSERT_TRUE(surface.has_value());
+  const vec3 wi = glm::normalize(light.position - surface->position);
+  const vec3 wo = glm::normalize(stage.session.rays().eye() - surface->position);
+  EXPECT_NEAR(glm::distance(glm::normalize(wi + wo), surface->shading_normal), 0, 1e-4);
+  EXPECT_EQ(stage.workspace.history().step_count(), 1u);
+  stage.play("key escape\nclick 400 330");
+  EXPECT_EQ(stage.workspace.history().step_count(), 1u) << "the tool was left";
+  stage.play("key ctrl+z");
+  EXPECT_TRUE(same_light(light, start));
+  stage.play("key j\nclick 480 300");
+  EXPECT_EQ(stage.workspace.history().step_count(), 0u) << "nothing to drag in the light";
 }
 
 TEST(Offscreen, WithoutAReferenceTheKeysAndButtonsForItDoNothing) {

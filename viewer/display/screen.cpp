@@ -7,6 +7,7 @@
 #include "viewer/panels/load_view.h"
 #include "viewer/panels/manipulator.h"
 #include "viewer/panels/menu_bar.h"
+#include "viewer/panels/picture_tools.h"
 #include "viewer/panels/view_panel.h"
 #include "viewer/panels/widgets.h"
 
@@ -88,6 +89,7 @@ void Screen::build_session(Session& session) {
   ui_.placement = place_picture(ui_.layout.picture, picture_px, session.view());
   light_manipulator(ui_, session);
   picture_legend(ui_, session);
+  tool_bar(ui_, session);
   if (!ui_.show_panel) return;
   begin_fixed_window("panel", ui_.layout.panel);
   view_panel(ui_, session);

@@ -34,6 +34,12 @@ class Player {
         folder_(std::move(folder)),
         io_(ImGui::GetIO()) {
     for (int key = 0; key < ImGuiKey_COUNT; ++key) io_.KeyMap[key] = key;
+    // Letters have the codes that GLFW gives them.
+    for (const auto& [key, letter] :
+         {std::pair(ImGuiKey_A, 'A'), std::pair(ImGuiKey_C, 'C'), std::pair(ImGuiKey_V, 'V'),
+          std::pair(ImGuiKey_X, 'X'), std::pair(ImGuiKey_Y, 'Y'), std::pair(ImGuiKey_Z, 'Z')}) {
+      io_.KeyMap[key] = letter;
+    }
   }
 
   void play(const Script& script) {

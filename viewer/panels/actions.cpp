@@ -58,6 +58,13 @@ bool has_reference(const Workspace& workspace) {
 bool has_light(const Workspace& workspace) {
   return workspace.session() != nullptr && workspace.session()->view().selected_light >= 0;
 }
+/// Choosing a tool again leaves it.
+void use_tool(UiState& ui, PlaceTool tool) {
+  ui.tool = ui.tool == tool ? PlaceTool::none : tool;
+}
+bool can_place(const Workspace& workspace) {
+  return has_light(workspace) && workspace.session()->tracer() != nullptr;
+}
 bool has_undo(const Workspace& workspace) {
   return workspace.history().can_undo();
 }
@@ -181,6 +188,35 @@ constexpr std::array actions = {
            "{",
            [](UiState&, Workspace& w) { reorder_light(w.session()->view(), -1); },
            has_light},
+
+    Action{place,
+           "highlight",
+           "Highlight, where clicked",
+           {.character = 'g'},
+           "g",
+           [](UiState& ui, Workspace&) { use_tool(ui, PlaceTool::highlight); },
+           can_place},
+    Action{place,
+           "diffuse",
+           "Diffuse peak, where clicked",
+           {.character = 'd'},
+           "d",
+           [](UiState& ui, Workspace&) { use_tool(ui, PlaceTool::diffuse); },
+           can_place},
+    Action{place,
+           "rim",
+           "Rim, where clicked",
+           {.character = 'b'},
+           "b",
+           [](UiState& ui, Workspace&) { use_tool(ui, PlaceTool::rim); },
+           can_place},
+    Action{place,
+           "shadow",
+           "Drag a shadow",
+           {.character = 'j'},
+           "j",
+           [](UiState& ui, Workspace&) { use_tool(ui, PlaceTool::shadow); },
+           can_place},
 
     Action{view,
            "frame",

@@ -114,7 +114,10 @@ void handle_keys(UiState& ui, Workspace& workspace) {
   const ImGuiIO& io = ImGui::GetIO();
   ui.nudging = false;
   if (io.WantTextInput) return;
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) ui.show_help = false;
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) {
+    ui.show_help = false;
+    ui.tool = PlaceTool::none;
+  }
   if (ui.dialog.purpose != FileDialog::Purpose::none) return;
   for (const Action& action : all_actions()) {
     if (is_pressed(action.key) && is_enabled(action, workspace)) action.act(ui, workspace);

@@ -6,17 +6,22 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "viewer/panels/picture_tools.h"
 #include "viewer/panels/widgets.h"
 #include "viewer/session/light_motion.h"
 
 namespace relume {
 namespace {
 
-constexpr std::array<vec3, 3> axes = {vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)};
-constexpr std::array<const char*, 3> axis_names = {"x", "y", "z"};
-constexpr std::array<ImU32, 3> axis_colors = {
-    IM_COL32(240, 90, 80, 255), IM_COL32(110, 215, 100, 255), IM_COL32(95, 150, 255, 255)};
-constexpr std::array<Grip, 3> axis_grips = {Grip::axis_x, Grip::axis_y, Grip::axis_z};
+/// The axes along which a light is moved: the world's, and the way to what it is aimed at.
+constexpr size_t axis_count = 4;
+constexpr std::array<vec3, 3> world_axes = {vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)};
+constexpr std::array<const char*, axis_count> axis_names = {"x", "y", "z", "aim"};
+constexpr std::array<ImU32, axis_count> axis_colors = {
+    IM_COL32(240, 90, 80, 255), IM_COL32(110, 215, 100, 255), IM_COL32(95, 150, 255, 255),
+    IM_COL32(235, 215, 120, 255)};
+constexpr std::array<Grip, axis_count> axis_grips = {Grip::axis_x, Grip::axis_y, Grip::axis_z,
+                                                     Grip::axis_aim};
 
 /// A light's handle on the screen. A light in the picture moves with the pointer. One outside of it
 /// or behind the camera may be so near to the eye that it would hardly move: it moves as something
@@ -31,20 +36,15 @@ struct LightHandle {
 
 /// The far end of an axis of the selected light.
 struct AxisTip {
-  int axis;
+  size_t axis;
+  vec3 direction;  ///< unit, world
   vec2 screen;
 };
 
-struct Manipulator {
-  UiState& ui;
-  Session& session;
-  ImDrawList& list;
-  float font;
-  vec2 mouse;
-
-  float handle_radius() const { return 0.5f * font; }
-  float axis_length() const { return 5 * font; }
-};
+/// How long an axis is on the screen when it lies in the view plane.
+float axis_length(const PictureTools& m) {
+  return 5 * m.font;
+}
 
 /// The unit direction on the screen, from the picture's middle, in which a light outside it lies.
 vec2 outward_direction(const CameraRays& rays, vec3 p_world) {
@@ -55,7 +55,7 @@ vec2 outward_direction(const CameraRays& rays, vec3 p_world) {
 }
 
 /// Where the ray from the middle of `area` leaves it, with room left for the axes.
-vec2 edge_position(const Manipulator& m, const Rect& area, vec2 direction) {
+vec2 edge_position(const PictureTools& m, const Rect& area, vec2 direction) {
   const vec2 size = area.size();
   const float margin = std::min(6 * m.font, 0.2f * std::min(size.x, size.y));
   const vec2 reach =
@@ -63,7 +63,7 @@ vec2 edge_position(const Manipulator& m, const Rect& area, vec2 direction) {
   return area.center() + direction * std::min(reach.x, reach.y);
 }
 
-LightHandle find_handle(const Manipulator& m, int index) {
+LightHandle find_handle(const PictureTools& m, int index) {
   const SessionInfo& info = m.session.info();
   const CameraRays& rays = m.session.rays();
   const Light& light = m.session.view().lights[static_cast<size_t>(index)];
@@ -79,15 +79,15 @@ LightHandle find_handle(const Manipulator& m, int index) {
 
 /// How long an axis is in the world so that it measures axis_length() on the screen when it lies in
 /// the view plane.
-float axis_unit(const Manipulator& m, vec3 p_world) {
+float axis_unit(const PictureTools& m, vec3 p_world) {
   const CameraRays& rays = m.session.rays();
   const float world_per_px = rays.footprint_per_depth() * rays.project(p_world).depth;
-  return world_per_px * m.axis_length() / m.ui.placement.scale;
+  return world_per_px * axis_length(m) / m.ui.placement.scale;
 }
 
 /// What `axis`, axis_unit() long, measures on the screen at the handle; nothing when it ends behind
 /// the eye.
-std::optional<vec2> screen_axis(const Manipulator& m, const LightHandle& handle, vec3 axis) {
+std::optional<vec2> screen_axis(const PictureTools& m, const LightHandle& handle, vec3 axis) {
   const CameraRays& rays = m.session.rays();
   const vec3 from = handle.measured_world;
   const CameraRays::Projection end = rays.project(from + axis * axis_unit(m, from));
@@ -95,21 +95,29 @@ std::optional<vec2> screen_axis(const Manipulator& m, const LightHandle& handle,
   return (end.film_px - rays.project(from).film_px) * m.ui.placement.scale;
 }
 
-std::vector<AxisTip> find_axis_tips(const Manipulator& m, const LightHandle& handle) {
+/// From the light away from what it is aimed at; zero for lights without a place.
+vec3 aim_axis(const PictureTools& m, const LightHandle& handle) {
+  const Light& light = m.session.view().lights[static_cast<size_t>(handle.light)];
+  if (light.type == LightType::directional) return vec3(0);
+  return normalize_or(light.position - aim_point(m, light), vec3(0));
+}
+
+std::vector<AxisTip> find_axis_tips(const PictureTools& m, const LightHandle& handle) {
   std::vector<AxisTip> tips;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto offset = screen_axis(m, handle, axes[static_cast<size_t>(axis)]);
+  for (size_t axis = 0; axis < axis_count; ++axis) {
+    const vec3 direction = axis < world_axes.size() ? world_axes[axis] : aim_axis(m, handle);
+    const auto offset = screen_axis(m, handle, direction);
     // An axis that points at the eye cannot be dragged.
     if (!offset || !(glm::length(*offset) > 1.5f * m.handle_radius())) continue;
-    const float shrink = std::min(1.0f, 1.5f * m.axis_length() / glm::length(*offset));
-    tips.push_back({axis, handle.screen + *offset * shrink});
+    const float shrink = std::min(1.0f, 1.5f * axis_length(m) / glm::length(*offset));
+    tips.push_back({axis, direction, handle.screen + *offset * shrink});
   }
   return tips;
 }
 
-void draw_axes(const Manipulator& m, const LightHandle& handle, const std::vector<AxisTip>& tips) {
+void draw_axes(const PictureTools& m, const LightHandle& handle, const std::vector<AxisTip>& tips) {
   for (const AxisTip& tip : tips) {
-    const size_t axis = static_cast<size_t>(tip.axis);
+    const size_t axis = tip.axis;
     const bool held = m.ui.drag.grip == axis_grips[axis];
     m.list.AddLine(to_im(handle.screen), to_im(tip.screen), IM_COL32(0, 0, 0, 150), 0.3f * m.font);
     m.list.AddLine(to_im(handle.screen), to_im(tip.screen), axis_colors[axis],
@@ -123,8 +131,10 @@ void draw_axes(const Manipulator& m, const LightHandle& handle, const std::vecto
 }
 
 /// The way a spot or directional light points.
-void draw_direction(const Manipulator& m, const LightHandle& handle, const Light& light) {
+void draw_direction(const PictureTools& m, const LightHandle& handle, const Light& light) {
   if (light.type == LightType::point) return;
+  const bool is_selected = m.session.view().selected_light == handle.light;
+  if (light.type == LightType::spot && is_selected) return;  // draw_spot() shows more
   const auto offset = screen_axis(m, handle, normalize_or(light.direction, vec3(0, -1, 0)));
   if (!offset) return;
   const ImVec2 from = to_im(handle.screen);
@@ -134,7 +144,7 @@ void draw_direction(const Manipulator& m, const LightHandle& handle, const Light
 }
 
 /// An arrow head beside the handle that points to where the light is.
-void draw_outward(const Manipulator& m, const LightHandle& handle, ImU32 color) {
+void draw_outward(const PictureTools& m, const LightHandle& handle, ImU32 color) {
   const vec2 across(-handle.outward.y, handle.outward.x);
   const vec2 base = handle.screen + handle.outward * (1.1f * m.font);
   m.list.AddTriangleFilled(to_im(base + handle.outward * (0.7f * m.font)),
@@ -142,7 +152,7 @@ void draw_outward(const Manipulator& m, const LightHandle& handle, ImU32 color) 
                            to_im(base - across * (0.4f * m.font)), color);
 }
 
-void draw_handle(const Manipulator& m, const LightHandle& handle) {
+void draw_handle(const PictureTools& m, const LightHandle& handle) {
   const ViewState& view = m.session.view();
   const Light& light = view.lights[static_cast<size_t>(handle.light)];
   const bool selected = view.selected_light == handle.light;
@@ -170,65 +180,100 @@ void draw_handle(const Manipulator& m, const LightHandle& handle) {
                   {handle.screen - 2.0f, handle.screen + 2.0f});
 }
 
-void start_drag(const Manipulator& m, const std::vector<LightHandle>& handles,
-                const std::vector<AxisTip>& tips) {
-  ViewState& view = m.session.view();
-  const auto near_mouse = [&](vec2 p) { return glm::distance(p, m.mouse) <= 0.8f * m.font; };
+/// Takes hold of an axis of the selected light when the mouse is at its end; true then.
+bool start_axis_drag(const PictureTools& m, const std::vector<LightHandle>& handles,
+                     const std::vector<AxisTip>& tips) {
   for (const LightHandle& handle : handles) {
-    if (handle.light != view.selected_light) continue;
+    if (handle.light != m.session.view().selected_light) continue;
     for (const AxisTip& tip : tips) {
-      if (!near_mouse(tip.screen)) continue;
-      const Grip grip = axis_grips[static_cast<size_t>(tip.axis)];
-      m.ui.drag = {grip, handle.light, handle.p_world, handle.measured_world, m.mouse};
-      return;
+      if (!m.is_near_mouse(tip.screen)) continue;
+      Drag& drag = m.ui.drag;
+      drag = {};
+      drag.grip = axis_grips[tip.axis];
+      drag.light = handle.light;
+      drag.start_world = handle.p_world;
+      drag.measured_world = handle.measured_world;
+      drag.start_screen = m.mouse;
+      drag.axis = tip.direction;
+      return true;
     }
   }
+  return false;
+}
+
+void start_drag(const PictureTools& m, const std::vector<LightHandle>& handles,
+                const std::vector<AxisTip>& tips) {
+  if (m.ui.tool != PlaceTool::none) return start_placing(m);
+  if (start_spot_drag(m) || start_axis_drag(m, handles, tips)) return;
   const LightHandle* nearest = nullptr;
   for (const LightHandle& handle : handles) {
-    if (!near_mouse(handle.screen)) continue;
+    if (!m.is_near_mouse(handle.screen)) continue;
     const bool nearer = nearest == nullptr || glm::distance(handle.screen, m.mouse) <
                                                   glm::distance(nearest->screen, m.mouse);
     if (nearer) nearest = &handle;
   }
   if (nearest == nullptr) return;
-  view.selected_light = nearest->light;
-  m.ui.drag = {Grip::view_plane, nearest->light, nearest->p_world, nearest->measured_world,
-               m.mouse};
+  m.session.view().selected_light = nearest->light;
+  Drag& drag = m.ui.drag;
+  drag = {};
+  drag.grip = Grip::view_plane;
+  drag.light = nearest->light;
+  drag.start_world = nearest->p_world;
+  drag.measured_world = nearest->measured_world;
+  drag.start_screen = m.mouse;
 }
 
-void continue_drag(const Manipulator& m) {
+void continue_move(const PictureTools& m) {
   ViewState& view = m.session.view();
-  Drag& drag = m.ui.drag;
-  if (drag.grip == Grip::pan) {
-    pan_by(view, m.ui.placement, m.mouse - drag.start_screen);
-    drag.start_screen = m.mouse;
-    return;
-  }
+  const Drag& drag = m.ui.drag;
   const vec2 delta_px = (m.mouse - drag.start_screen) / m.ui.placement.scale;
   // A press alone must not move the light by a rounding error.
   if (drag.light >= static_cast<int>(view.lights.size()) || delta_px == vec2(0)) return;
   const CameraRays& rays = m.session.rays();
   const vec3 from = drag.measured_world;
-  vec3 to = from;
-  if (drag.grip == Grip::view_plane) {
-    to = move_in_view_plane(rays, from, delta_px);
-  } else {
-    const int axis = static_cast<int>(drag.grip) - static_cast<int>(Grip::axis_x);
-    to = move_along_axis(rays, from, axes[static_cast<size_t>(axis)], axis_unit(m, from), delta_px);
-  }
+  const vec3 to = drag.grip == Grip::view_plane
+                      ? move_in_view_plane(rays, from, delta_px)
+                      : move_along_axis(rays, from, drag.axis, axis_unit(m, from), delta_px);
   const vec3 p_world = drag.start_world + (to - from);
   set_light_handle(view.lights[static_cast<size_t>(drag.light)], m.session.info().bounds, p_world);
 }
 
-void handle_mouse(const Manipulator& m, const std::vector<LightHandle>& handles,
+void continue_drag(const PictureTools& m) {
+  Drag& drag = m.ui.drag;
+  switch (drag.grip) {
+    case Grip::none:
+      return;
+    case Grip::pan:
+      pan_by(m.session.view(), m.ui.placement, m.mouse - drag.start_screen);
+      drag.start_screen = m.mouse;
+      return;
+    case Grip::aim:
+    case Grip::inner_cone:
+    case Grip::outer_cone:
+      return continue_spot_drag(m);
+    case Grip::place:
+      return continue_placing(m);
+    case Grip::view_plane:
+    case Grip::axis_x:
+    case Grip::axis_y:
+    case Grip::axis_z:
+    case Grip::axis_aim:
+      return continue_move(m);
+  }
+}
+
+void handle_mouse(const PictureTools& m, const std::vector<LightHandle>& handles,
                   const std::vector<AxisTip>& tips) {
   const ImGuiIO& io = ImGui::GetIO();
   Drag& drag = m.ui.drag;
   const bool over_picture = !io.WantCaptureMouse && m.ui.layout.picture.contains(m.mouse);
   if (drag.grip == Grip::none && over_picture) {
     if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) start_drag(m, handles, tips);
-    if (ImGui::IsMouseClicked(ImGuiMouseButton_Middle))
-      drag = {.grip = Grip::pan, .start_screen = m.mouse};
+    if (ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) {
+      drag = {};
+      drag.grip = Grip::pan;
+      drag.start_screen = m.mouse;
+    }
     if (io.MouseWheel != 0) {
       zoom_at(m.session.view(), m.ui.placement, m.mouse, std::exp2(0.25f * io.MouseWheel));
     }
@@ -243,8 +288,8 @@ void handle_mouse(const Manipulator& m, const std::vector<LightHandle>& handles,
 }  // namespace
 
 void light_manipulator(UiState& ui, Session& session) {
-  const Manipulator m{ui, session, *ImGui::GetBackgroundDrawList(), ImGui::GetFontSize(),
-                      from_im(ImGui::GetIO().MousePos)};
+  const PictureTools m{ui, session, *ImGui::GetBackgroundDrawList(), ImGui::GetFontSize(),
+                       from_im(ImGui::GetIO().MousePos)};
   const auto find_all = [&] {
     std::vector<LightHandle> handles;
     for (int i = 0; i < static_cast<int>(session.view().lights.size()); ++i) {
@@ -265,6 +310,7 @@ void light_manipulator(UiState& ui, Session& session) {
   const std::vector<LightHandle> handles = find_all();
   const std::vector<AxisTip> tips = find_tips(handles);
   m.list.PushClipRect(to_im(ui.layout.picture.min), to_im(ui.layout.picture.max), true);
+  draw_spot(m);
   for (const LightHandle& handle : handles) {
     if (handle.light == session.view().selected_light) draw_axes(m, handle, tips);
   }

@@ -3,7 +3,7 @@
 namespace relume {
 namespace {
 
-constexpr float panel_width_in_fonts = 21;
+constexpr float panel_width_in_fonts = 22.5f;
 constexpr float status_height_in_fonts = 1.9f;
 constexpr float menu_height_in_fonts = 1.6f;
 constexpr float smallest_zoom = 1.0f / 16;

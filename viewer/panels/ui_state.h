@@ -6,11 +6,26 @@
 
 #include "viewer/panels/item_table.h"
 #include "viewer/panels/placement.h"
+#include "viewer/session/light_placement.h"
+#include "viewer/session/spot_cone.h"
 
 namespace relume {
 
-/// What a drag in the picture holds on to.
-enum class Grip { none, view_plane, axis_x, axis_y, axis_z, pan };
+/// What a drag in the picture holds on to. `axis_aim` runs from what the light is aimed at to the
+/// light; `place` is a tool at work, see PlaceTool.
+enum class Grip {
+  none,
+  view_plane,
+  axis_x,
+  axis_y,
+  axis_z,
+  axis_aim,
+  aim,
+  inner_cone,
+  outer_cone,
+  place,
+  pan
+};
 
 /// A drag in progress. The light's place follows from where the drag started, so that it does not
 /// depend on how many events came between.
@@ -20,6 +35,9 @@ struct Drag {
   vec3 start_world{0};
   vec3 measured_world{0};  ///< where the pointer's motion is measured, see LightHandle
   vec2 start_screen{0};
+  vec3 axis{0};       ///< unit, world; of the axis_ grips
+  SpotCone cone;      ///< of the cone grips
+  ShadowGrip shadow;  ///< of the shadow tool
 };
 
 /// The box for a path, and what it is for.
@@ -47,7 +65,11 @@ struct UiState {
   bool show_timings = true;  ///< off in scripted runs, whose pictures must not depend on the clock
   bool show_help = false;
   bool show_panel = true;
-  bool nudging = false;  ///< a light is being moved with the keyboard
+  PlaceTool tool = PlaceTool::none;
+  bool tool_missed = false;            ///< the last click found nothing to work on
+  std::array<char, 260> light_name{};  ///< in the box
+  bool is_naming = false;              ///< it is being typed
+  bool nudging = false;                ///< a light is being moved with the keyboard
   bool quit = false;
 };
 

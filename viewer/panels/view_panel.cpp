@@ -165,7 +165,9 @@ void view_panel(UiState& ui, Session& session) {
   view.display.exposure = std::clamp(view.display.exposure, -largest_exposure, largest_exposure);
   row_label("curve");
   choose(ui, "view.curve", tone_curve_labels, view.display.curve);
-  row_label("shadows");
+  row_label("scale");
+  choose(ui, "heatmap", heat_range_labels, view.heat_range);
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "SHADOWS");
   choose(
       ui, "shadows", shadow_method_labels, view.shadows,
       [&](ShadowMethod method) {
@@ -173,8 +175,6 @@ void view_panel(UiState& ui, Session& session) {
         return info.can_trace && (method != ShadowMethod::members || info.has_members);
       },
       3);
-  row_label("heatmap");
-  choose(ui, "heatmap", heat_range_labels, view.heat_range);
   budget_rows(ui, session);
 }
 
