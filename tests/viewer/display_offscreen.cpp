@@ -58,6 +58,19 @@ struct Stage {
   Screen screen;
 };
 
+/// The built-in spheres, small, with their ray tracer.
+std::unique_ptr<Session> open_spheres() {
+  auto scene = std::make_unique<const Scene>(load_scene("spheres", shader_table()));
+  auto tracer = std::make_unique<const Tracer>(*scene);
+  PrepareParams params;
+  params.spp = 4;
+  params.reduction.records = 2;
+  params.width = params.height = 64;
+  RelightCache cache = prepare_in_memory(*scene, *tracer, params, {});
+  return std::unique_ptr<Session>(
+      new Session(make_session(std::move(scene), std::move(tracer), std::move(cache), {})));
+}
+
 TEST(Offscreen, DragMovesTheLightInTheViewPlane) {
   Stage stage;
   stage.play("wait");
@@ -288,19 +301,6 @@ TEST(Offscreen, ASpotsConesAndAimAreDragged) {
   EXPECT_GT(glm::distance(spot.position, vec3(0)), distance);
 }
 
-/// The built-in spheres, small, with their ray tracer.
-std::unique_ptr<Session> open_spheres() {
-  auto scene = std::make_unique<const Scene>(load_scene("spheres", shader_table()));
-  auto tracer = std::make_unique<const Tracer>(*scene);
-  PrepareParams params;
-  params.spp = 4;
-  params.reduction.records = 2;
-  params.width = params.height = 64;
-  RelightCache cache = prepare_in_memory(*scene, *tracer, params, {});
-  return std::unique_ptr<Session>(
-      new Session(make_session(std::move(scene), std::move(tracer), std::move(cache), {})));
-}
-
 TEST(Offscreen, AClickPutsTheHighlightThere) {
   Stage stage(open_spheres());
   const Light& light = stage.session.view().lights[0];
@@ -319,6 +319,63 @@ TEST(Offscreen, AClickPutsTheHighlightThere) {
   EXPECT_TRUE(same_light(light, start));
   stage.play("key j\nclick 480 300");
   EXPECT_EQ(stage.workspace.history().step_count(), 0u) << "nothing to drag in the light";
+}
+
+/// The first three channels of the window's pixel at a place.
+vec3 pixel_at(const DisplayImage& image, vec2 place) {
+  const size_t i =
+      image.channels * (static_cast<size_t>(place.y) * image.width + static_cast<size_t>(place.x));
+  return {image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]};
+}
+
+TEST(Offscreen, SnapshotsFlipAndWipe) {
+  Stage stage;
+  const vec2 left(200, 400);
+  const vec2 right(800, 400);
+  stage.play("move 5 795\nkey c\nkey -\nkey -\ndrag handle.1 60 200\nmove 5 795");
+  EXPECT_EQ(stage.screen.ui().snapshots.all().size(), 1u);
+  const DisplayImage live = stage.look();
+  stage.play("key tab\nmove 5 795");
+  const DisplayImage flipped = stage.look();
+  EXPECT_NE(pixel_at(flipped, left), pixel_at(live, left)) << "the light was elsewhere";
+  stage.play("key tab\nkey w\nmove 5 795");
+  const DisplayImage wiped = stage.look();
+  EXPECT_EQ(pixel_at(wiped, left), pixel_at(flipped, left));
+  EXPECT_EQ(pixel_at(wiped, right), pixel_at(live, right));
+  stage.play("drag wipe 420 0\nmove 5 795");
+  EXPECT_EQ(pixel_at(stage.look(), right), pixel_at(flipped, right));
+  stage.play("key +\nkey +\nmove 5 795");
+  EXPECT_NE(pixel_at(stage.look(), right), pixel_at(flipped, right))
+      << "snapshots follow the exposure";
+  stage.play("click snapshot.restore");
+  EXPECT_EQ(stage.session.view().lights[0].position, vec3(0));
+}
+
+TEST(Offscreen, MapsOfTypeNormalAndVisibilityOfAScene) {
+  Stage stage(open_spheres());
+  stage.play("key p\nmove 5 795");
+  std::vector<std::vector<uint8_t>> pictures{stage.session.picture().rgba};
+  for (const char* key : {"t", "n", "v"}) {
+    stage.play(fmt::format("key {}\nwait", key));
+    EXPECT_FALSE(stage.session.status().outdated) << key;
+    for (const auto& other : pictures) EXPECT_NE(stage.session.picture().rgba, other) << key;
+    pictures.push_back(stage.session.picture().rgba);
+  }
+  stage.play("key 2\nwait");
+  EXPECT_NE(stage.session.picture().rgba, pictures.back()) << "of the light that is selected";
+  stage.play("key f\nkey l\nwait");
+  EXPECT_NE(stage.session.picture().rgba, pictures.front());
+}
+
+TEST(Offscreen, InspectorAndHistogramAreShownOnDemand) {
+  Stage stage(open_spheres());
+  stage.play("key i\nkey I\nmove 480 400");
+  EXPECT_TRUE(stage.screen.ui().items.find("inspector").has_value());
+  EXPECT_TRUE(stage.screen.ui().items.find("histogram").has_value());
+  stage.play("key i\nkey I");
+  EXPECT_FALSE(stage.screen.ui().items.find("inspector").has_value());
+  stage.play("key x");
+  EXPECT_EQ(stage.session.view().zoom, 1);
 }
 
 TEST(Offscreen, WithoutAReferenceTheKeysAndButtonsForItDoNothing) {

@@ -2,6 +2,8 @@
 
 #include <imgui.h>
 
+#include "viewer/panels/compare_panel.h"
+#include "viewer/panels/inspector.h"
 #include "viewer/panels/keys.h"
 #include "viewer/panels/light_panel.h"
 #include "viewer/panels/load_view.h"
@@ -37,14 +39,19 @@ Screen::Context::~Context() {
 }
 
 Screen::Screen(Workspace& workspace, const GlTable& gl, const ScreenOptions& options)
-    : workspace_(workspace), gl_(gl), frame_view_(gl), ui_renderer_(with_theme(gl, options.scale)) {
+    : workspace_(workspace),
+      gl_(gl),
+      frame_view_(gl),
+      snapshot_view_(gl),
+      ui_renderer_(with_theme(gl, options.scale)) {
   ui_.show_timings = options.show_timings;
 }
 
 Screen::~Screen() = default;
 
 bool Screen::resting() const {
-  const bool dragging = ui_.drag.grip != Grip::none && ui_.drag.grip != Grip::pan;
+  const bool dragging =
+      ui_.drag.grip != Grip::none && ui_.drag.grip != Grip::pan && ui_.drag.grip != Grip::wipe;
   return !dragging && !ui_.nudging && !ImGui::IsAnyItemActive();
 }
 
@@ -85,17 +92,22 @@ void Screen::build() {
 }
 
 void Screen::build_session(Session& session) {
+  if (ui_.snapshots_of != workspace_.session_number()) ui_.snapshots.clear();
+  ui_.snapshots_of = workspace_.session_number();
+  ui_.snapshots.follow(session.view());
   const vec2 picture_px(session.info().width, session.info().height);
   ui_.placement = place_picture(ui_.layout.picture, picture_px, session.view());
   light_manipulator(ui_, session);
+  wipe_line(ui_);
   picture_legend(ui_, session);
+  pixel_inspector(ui_, session);
+  picture_histogram(ui_, session, workspace_.session_number());
   tool_bar(ui_, session);
   if (!ui_.show_panel) return;
   begin_fixed_window("panel", ui_.layout.panel);
   view_panel(ui_, session);
-  ImGui::Spacing();
+  compare_panel(ui_, session);
   ImGui::Separator();
-  ImGui::Spacing();
   light_panel(ui_, session);
   ImGui::End();
 }
@@ -114,6 +126,10 @@ void Screen::draw_picture(ivec2 size_px) {
   const Rect target{placement.origin * scale, placement.screen_from_film(picture_px) * scale};
   const Rect clip{placement.area.min * scale, placement.area.max * scale};
   frame_view_.draw(picture(), target, clip, size_px);
+  const Rect part = snapshot_area(ui_);
+  if (const Snapshot* snapshot = ui_.snapshots.current(); snapshot && part.size().x > 0) {
+    snapshot_view_.draw(snapshot->picture, target, {part.min * scale, part.max * scale}, size_px);
+  }
 }
 
 }  // namespace relume

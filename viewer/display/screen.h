@@ -53,6 +53,7 @@ class Screen {
   Context context_;
   UiState ui_;
   FrameView frame_view_;
+  FrameView snapshot_view_;
   uint64_t drawn_session_ = 0;  ///< whose picture frame_view_ holds; 0 = the preview
   UiRenderer ui_renderer_;
 };

@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include "viewer/panels/compare_panel.h"
 #include "viewer/session/light_edits.h"
 
 namespace relume {
@@ -58,6 +59,12 @@ bool has_reference(const Workspace& workspace) {
 bool has_light(const Workspace& workspace) {
   return workspace.session() != nullptr && workspace.session()->view().selected_light >= 0;
 }
+/// Pixels stay where the middle of the window is.
+void show_pixels(const UiState& ui, ViewState& view) {
+  view.zoom_center_px = ui.placement.film_from_screen(ui.placement.area.center());
+  view.zoom = 1;
+}
+
 /// Choosing a tool again leaves it.
 void use_tool(UiState& ui, PlaceTool tool) {
   ui.tool = ui.tool == tool ? PlaceTool::none : tool;
@@ -254,6 +261,43 @@ constexpr std::array actions = {
            [](UiState&, Workspace& w) { show(w, ShownPicture::records); },
            nullptr},
     Action{view,
+           "difference",
+           "Frame minus reference",
+           {.character = 'y'},
+           "y",
+           [](UiState&, Workspace& w) { show(w, ShownPicture::difference); },
+           has_reference},
+    Action{view,
+           "visibility",
+           "What the selected light reaches",
+           {.character = 'v'},
+           "v",
+           [](UiState&, Workspace& w) { show(w, ShownPicture::visibility); },
+           can_place},
+    Action{view,
+           "type",
+           "Sample types",
+           {.character = 't'},
+           "t",
+           [](UiState&, Workspace& w) { show(w, ShownPicture::type); },
+           nullptr},
+    Action{view,
+           "normal",
+           "Normals",
+           {.character = 'n'},
+           "n",
+           [](UiState&, Workspace& w) { show(w, ShownPicture::normal); },
+           nullptr},
+    Action{view,
+           "false_color",
+           "False colour",
+           {.character = 'l'},
+           "l",
+           [](UiState&, Workspace& w) {
+             w.session()->view().false_color = !w.session()->view().false_color;
+           },
+           nullptr},
+    Action{view,
            "exposure_up",
            "Half a stop brighter",
            {.character = '+'},
@@ -275,6 +319,13 @@ constexpr std::array actions = {
            [](UiState&, Workspace& w) { toggle_shadows(w); },
            nullptr},
     Action{view,
+           "pixels",
+           "One screen pixel for each pixel",
+           {.character = 'x'},
+           "x",
+           [](UiState& ui, Workspace& w) { show_pixels(ui, w.session()->view()); },
+           nullptr},
+    Action{view,
            "fit",
            "Fit into the window",
            {.character = 'z'},
@@ -282,6 +333,48 @@ constexpr std::array actions = {
            [](UiState&, Workspace& w) { w.session()->view().zoom = 0; },
            nullptr},
 
+    Action{window,
+           "inspector",
+           "Pixel inspector",
+           {.character = 'i'},
+           "i",
+           [](UiState& ui, Workspace&) { ui.show_inspector = !ui.show_inspector; },
+           nullptr},
+    Action{window,
+           "histogram",
+           "Histogram",
+           {.character = 'I'},
+           "shift+i",
+           [](UiState& ui, Workspace&) { ui.show_histogram = !ui.show_histogram; },
+           nullptr},
+    Action{window,
+           "snapshot",
+           "Take a snapshot",
+           {.character = 'c'},
+           "c",
+           [](UiState& ui, Workspace& w) { ui.snapshots.take(*w.session()); },
+           nullptr},
+    Action{window,
+           "flip",
+           "Flip to the snapshot",
+           {.named = ImGuiKey_Tab},
+           "tab",
+           [](UiState& ui, Workspace&) { ui.show_snapshot = !ui.show_snapshot; },
+           nullptr},
+    Action{window,
+           "wipe",
+           "Wipe with the snapshot",
+           {.character = 'w'},
+           "w",
+           [](UiState& ui, Workspace&) { ui.is_wiping = !ui.is_wiping; },
+           nullptr},
+    Action{window,
+           "restore",
+           "Restore the snapshot's lights",
+           {.character = 'W'},
+           "shift+w",
+           [](UiState& ui, Workspace& w) { restore_snapshot(ui, w.session()->view()); },
+           nullptr},
     Action{window,
            "panel",
            "Panel",

@@ -107,20 +107,26 @@ void vector_row(UiState& ui, const char* label, const std::string& item, float s
   if (changed && is_finite(edited)) value = edited;
 }
 
-void cone_rows(UiState& ui, Light& light) {
-  row_label("cone inner");
-  ImGui::SliderFloat("##inner", &light.inner_angle_deg, 0, 90, "%.1f deg",
+/// Both half angles beside each other.
+void cone_row(UiState& ui, Light& light) {
+  row_label("cone");
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float width = 0.5f * (ImGui::GetContentRegionAvail().x - gap);
+  ImGui::SetNextItemWidth(width);
+  ImGui::SliderFloat("##inner", &light.inner_angle_deg, 0, 90, "in %.1f deg",
                      ImGuiSliderFlags_AlwaysClamp);
   note_item(ui, "light.inner");
   if (ImGui::IsItemEdited()) {
     light.outer_angle_deg = std::max(light.outer_angle_deg, light.inner_angle_deg);
   }
-  row_label("cone outer");
-  ImGui::SliderFloat("##outer", &light.outer_angle_deg, min_spot_angle_deg, 90, "%.1f deg",
+  ImGui::SameLine(0, gap);
+  ImGui::SetNextItemWidth(width);
+  ImGui::SliderFloat("##outer", &light.outer_angle_deg, min_spot_angle_deg, 90, "out %.1f deg",
                      ImGuiSliderFlags_AlwaysClamp);
   note_item(ui, "light.outer");
-  light.outer_angle_deg = std::max(light.outer_angle_deg, min_spot_angle_deg);
-  light.inner_angle_deg = std::min(light.inner_angle_deg, light.outer_angle_deg);
+  if (ImGui::IsItemEdited()) {
+    light.inner_angle_deg = std::min(light.inner_angle_deg, light.outer_angle_deg);
+  }
 }
 
 void color_row(UiState& ui, Light& light) {
@@ -132,6 +138,14 @@ void color_row(UiState& ui, Light& light) {
   if (changed && is_finite(edited)) light.color = glm::max(edited, vec3(0));
 }
 
+/// Where the light ends; 0 = nowhere.
+void range_row(UiState& ui, const SessionInfo& info, Light& light) {
+  row_label("ends at");
+  ImGui::DragFloat("##range", &light.range, 0.01f * std::max(info.bounds.radius(), 1e-3f), 0, 1e15f,
+                   light.range > 0 ? "%.3f" : "nowhere", ImGuiSliderFlags_AlwaysClamp);
+  note_item(ui, "light.range");
+}
+
 void geometry_rows(UiState& ui, const SessionInfo& info, Light& light) {
   if (light.type != LightType::directional) {
     vector_row(ui, "position", "light.position", 0.005f * std::max(info.bounds.radius(), 1e-3f),
@@ -140,13 +154,14 @@ void geometry_rows(UiState& ui, const SessionInfo& info, Light& light) {
   if (light.type != LightType::point) {
     vector_row(ui, "direction", "light.direction", 0.01f, light.direction);
   }
-  if (light.type == LightType::spot) cone_rows(ui, light);
-  if (light.type != LightType::directional) {
-    ImGui::Checkbox("falls off with distance", &light.falloff);
-    note_item(ui, "light.falloff");
-  }
+  if (light.type == LightType::spot) cone_row(ui, light);
   ImGui::Checkbox("casts shadow", &light.casts_shadow);
   note_item(ui, "light.casts_shadow");
+  if (light.type == LightType::directional) return;
+  ImGui::SameLine(0.5f * ImGui::GetWindowContentRegionMax().x);
+  ImGui::Checkbox("falls off", &light.falloff);
+  note_item(ui, "light.falloff");
+  if (light.falloff) range_row(ui, info, light);
 }
 
 void selected_light(UiState& ui, Session& session) {
@@ -199,9 +214,7 @@ void light_panel(UiState& ui, Session& session) {
   for (int i = 0; i < count; ++i) light_row(ui, view, i);
   if (count > rows_shown) ImGui::EndChild();
   if (view.selected_light < 0 || view.selected_light >= count) return;
-  ImGui::Spacing();
   ImGui::Separator();
-  ImGui::Spacing();
   selected_light(ui, session);
 }
 

@@ -201,8 +201,18 @@ bool start_axis_drag(const PictureTools& m, const std::vector<LightHandle>& hand
   return false;
 }
 
+/// Takes hold of the line between snapshot and live picture when the mouse is at its handle.
+bool start_wipe_drag(const PictureTools& m) {
+  const auto handle = m.ui.wipe_handle;
+  if (!handle || !m.is_near_mouse(*handle)) return false;
+  m.ui.drag = {};
+  m.ui.drag.grip = Grip::wipe;
+  return true;
+}
+
 void start_drag(const PictureTools& m, const std::vector<LightHandle>& handles,
                 const std::vector<AxisTip>& tips) {
+  if (start_wipe_drag(m)) return;
   if (m.ui.tool != PlaceTool::none) return start_placing(m);
   if (start_spot_drag(m) || start_axis_drag(m, handles, tips)) return;
   const LightHandle* nearest = nullptr;
@@ -246,6 +256,11 @@ void continue_drag(const PictureTools& m) {
     case Grip::pan:
       pan_by(m.session.view(), m.ui.placement, m.mouse - drag.start_screen);
       drag.start_screen = m.mouse;
+      return;
+    case Grip::wipe:
+      m.ui.wipe = std::clamp(
+          (m.mouse.x - m.ui.layout.picture.min.x) / std::max(1.0f, m.ui.layout.picture.size().x),
+          0.0f, 1.0f);
       return;
     case Grip::aim:
     case Grip::inner_cone:

@@ -1,18 +1,22 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "viewer/panels/item_table.h"
 #include "viewer/panels/placement.h"
 #include "viewer/session/light_placement.h"
+#include "viewer/session/picture_histogram.h"
+#include "viewer/session/snapshots.h"
 #include "viewer/session/spot_cone.h"
 
 namespace relume {
 
 /// What a drag in the picture holds on to. `axis_aim` runs from what the light is aimed at to the
-/// light; `place` is a tool at work, see PlaceTool.
+/// light; `place` is a tool at work, see PlaceTool; `wipe` the line between a snapshot
+/// and the live picture.
 enum class Grip {
   none,
   view_plane,
@@ -24,6 +28,7 @@ enum class Grip {
   inner_cone,
   outer_cone,
   place,
+  wipe,
   pan
 };
 
@@ -65,6 +70,16 @@ struct UiState {
   bool show_timings = true;  ///< off in scripted runs, whose pictures must not depend on the clock
   bool show_help = false;
   bool show_panel = true;
+  Snapshots snapshots;
+  uint64_t snapshots_of = 0;        ///< number of the session that they are of
+  bool show_snapshot = false;       ///< flipped: the snapshot in place of the live picture
+  bool is_wiping = false;           ///< the snapshot on the left of the line
+  float wipe = 0.5f;                ///< where the line is, in [0, 1] of the picture's area
+  std::optional<vec2> wipe_handle;  ///< where the line was held by in the last frame
+  bool show_inspector = false;
+  bool show_histogram = false;
+  PictureHistogram histogram;
+  std::pair<uint64_t, uint64_t> histogram_of{0, 0};  ///< session and version of its picture
   PlaceTool tool = PlaceTool::none;
   bool tool_missed = false;            ///< the last click found nothing to work on
   std::array<char, 260> light_name{};  ///< in the box

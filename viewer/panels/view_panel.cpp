@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "core/base/error.h"
 #include "core/image/heatmap.h"
 #include "viewer/panels/widgets.h"
+#include "viewer/session/false_color.h"
+#include "viewer/session/pixel_maps.h"
 
 namespace relume {
 namespace {
@@ -43,6 +46,9 @@ std::string work_line(const UiState& ui, const Session& session) {
   if (status.map_mean) {
     line = fmt::format("mean {:.5g} on covered pixels   ", *status.map_mean);
   }
+  if (session.info().predicted_mean > 0 && !status.error) {
+    line += fmt::format("expected error {:.4f}   ", session.info().predicted_mean);
+  }
   if (session.picture().version == 0) return line + "relighting...";
   if (!ui.show_timings) return line;
   return line + fmt::format("{} light{} relit in {:.1f} ms", status.stats.layers_shaded,
@@ -57,8 +63,13 @@ const char* heat_unit(ShownPicture shown) {
       return "predicted RMS error";
     case ShownPicture::records:
       return "records";
+    case ShownPicture::visibility:
+      return "visible share";
     case ShownPicture::frame:
     case ShownPicture::reference:
+    case ShownPicture::difference:
+    case ShownPicture::type:
+    case ShownPicture::normal:
       break;
   }
   return "";
@@ -87,6 +98,49 @@ void heat_scale(const UiState& ui, const char* unit, float range) {
   add_outlined_text(list, {low.x + size.x - top_width, text_y}, IM_COL32_WHITE, top);
 }
 
+/// A swatch and its meaning, one below the other from `corner`.
+void color_key(vec2 corner, int row, vec3 color, const std::string& text) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float font = ImGui::GetFontSize();
+  const vec2 low = corner + vec2(0, 1.35f * font * static_cast<float>(row));
+  list.AddRectFilled(to_im(low), to_im(low + vec2(1.4f, 1) * font),
+                     ImGui::ColorConvertFloat4ToU32({color.x, color.y, color.z, 1}));
+  list.AddRect(to_im(low), to_im(low + vec2(1.4f, 1) * font), IM_COL32(90, 90, 90, 255));
+  add_outlined_text(list, low + vec2(1.9f, 0) * font, IM_COL32_WHITE, text);
+}
+
+/// Behind `rows` of color_key() that end at `corner`.
+void key_background(vec2 corner, int rows, float width) {
+  const float font = ImGui::GetFontSize();
+  const vec2 low = corner - vec2(0.5f, 1.35f * static_cast<float>(rows) + 0.4f) * font;
+  const vec2 high = corner + vec2(width, 0.1f) * font;
+  ImGui::GetBackgroundDrawList()->AddRectFilled(to_im(low), to_im(high), IM_COL32(18, 18, 18, 215),
+                                                0.3f * font);
+}
+
+/// What the colours of types and of false colour mean.
+void picture_keys(const UiState& ui, const Session& session) {
+  const float font = ImGui::GetFontSize();
+  const vec2 corner = vec2(ui.layout.picture.min.x, ui.layout.picture.max.y) + vec2(1, -1) * font;
+  if (session.status().painted == ShownPicture::type && session.cache() != nullptr) {
+    const auto& types = session.cache()->info().types;
+    const int rows = static_cast<int>(std::min<size_t>(types.size(), 8));
+    key_background(corner, rows, 9);
+    for (int i = 0; i < rows; ++i) {
+      color_key(corner, i - rows, type_color(static_cast<size_t>(i)),
+                printable(types[static_cast<size_t>(i)].name, 30));
+    }
+  }
+  if (!session.view().false_color || session.shown_image() == nullptr) return;
+  constexpr int stops = static_cast<int>(false_color_high - false_color_low);
+  key_background(corner, stops, 7);
+  for (int i = 0; i < stops; ++i) {
+    const float low = false_color_high - 1 - static_cast<float>(i);
+    color_key(corner, i - stops, false_color(low + 0.5f),
+              fmt::format("{:+.0f} to {:+.0f}", low, low + 1));
+  }
+}
+
 /// What speed may cost.
 void budget_rows(UiState& ui, Session& session) {
   ViewState& view = session.view();
@@ -100,6 +154,24 @@ void budget_rows(UiState& ui, Session& session) {
   if (!session.info().has_reference) return;
   ImGui::Checkbox("all samples, traced, at rest", &view.refine);
   note_item(ui, "view.refine");
+}
+
+/// The tone curve, or false colour in its place.
+void curve_row(UiState& ui, ViewState& view) {
+  row_label("curve");
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float width = std::max(1.0f, (ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
+  for (const Label<ToneCurve>& row : tone_curve_labels) {
+    const bool lit = !view.false_color && view.display.curve == row.value;
+    if (segment_button(std::string(row.name).c_str(), lit, true, width)) {
+      view.display.curve = row.value;
+      view.false_color = false;
+    }
+    note_item(ui, fmt::format("view.curve.{}", row.name));
+    ImGui::SameLine(0, gap);
+  }
+  if (segment_button("false", view.false_color, true, width)) view.false_color = !view.false_color;
+  note_item(ui, "view.false_color");
 }
 
 /// How the frame came about, where that is not its records in all pixels.
@@ -154,8 +226,11 @@ void view_panel(UiState& ui, Session& session) {
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "PICTURE");
   choose(
       ui, "view", shown_picture_labels, view.shown,
-      [&](ShownPicture shown) { return !needs_reference(shown) || info.has_reference; }, 3);
-  if (!info.has_reference) ImGui::TextDisabled("No reference was prepared to compare with.");
+      [&](ShownPicture shown) {
+        if (shown == ShownPicture::visibility) return info.can_trace;
+        return !needs_reference(shown) || info.has_reference;
+      },
+      3);
 
   row_label("exposure");
   ImGui::SliderFloat("##exposure", &view.display.exposure, -largest_exposure, largest_exposure,
@@ -163,8 +238,7 @@ void view_panel(UiState& ui, Session& session) {
   note_item(ui, "view.exposure");
   if (!is_finite(view.display.exposure)) view.display.exposure = 0;
   view.display.exposure = std::clamp(view.display.exposure, -largest_exposure, largest_exposure);
-  row_label("curve");
-  choose(ui, "view.curve", tone_curve_labels, view.display.curve);
+  curve_row(ui, view);
   row_label("scale");
   choose(ui, "heatmap", heat_range_labels, view.heat_range);
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "SHADOWS");
@@ -196,6 +270,11 @@ void picture_legend(const UiState& ui, const Session& session) {
   const ShownPicture wanted = session.view().shown;
   const bool missing = wanted == ShownPicture::predicted && session.info().predicted_error.empty();
   const bool waiting = status.outdated && needs_reference(wanted);
+  if (ui.show_snapshot && ui.snapshots.current() != nullptr) {
+    add_outlined_text(list, corner, accent_color,
+                      fmt::format("snapshot {};  tab flips back", ui.snapshots.selected() + 1));
+    return;
+  }
   std::string text(label_of(shown_picture_labels, status.painted));
   text += quality_text(status);
   if (missing) {
@@ -208,6 +287,7 @@ void picture_legend(const UiState& ui, const Session& session) {
   }
   add_outlined_text(list, corner, waiting || missing ? accent_color : IM_COL32(220, 220, 220, 255),
                     text);
+  picture_keys(ui, session);
   if (status.heat_range > 0) heat_scale(ui, heat_unit(status.painted), status.heat_range);
 }
 

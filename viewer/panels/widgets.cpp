@@ -47,8 +47,8 @@ void apply_theme(float scale) {
   style.FrameRounding = 3;
   style.GrabRounding = 3;
   style.WindowPadding = {12, 10};
-  style.FramePadding = {6, 4};
-  style.ItemSpacing = {8, 6};
+  style.FramePadding = {6, 3};
+  style.ItemSpacing = {8, 4};
   style.ItemInnerSpacing = {4, 4};
   style.ScaleAllSizes(scale);
   std::error_code no_file;

@@ -11,6 +11,8 @@ namespace relume {
 namespace {
 
 constexpr float max_gain = 1e20f;
+constexpr float min_range = 1e-15f;
+constexpr float max_range = 1e15f;
 
 bool has_selection(const ViewState& view) {
   return view.selected_light >= 0 && view.selected_light < static_cast<int>(view.lights.size());
@@ -143,6 +145,8 @@ void limit_light(Light& light, const Light& before) {
   light.inner_angle_deg = std::min(light.inner_angle_deg, light.outer_angle_deg);
   light.color = limit_vector(light.color, before.color, 0, max_gain);
   light.gain = limit_number(light.gain, before.gain, 0, max_gain);
+  light.range = limit_number(light.range, before.range, 0, max_range);
+  if (light.range < min_range) light.range = 0;
 }
 
 void set_light_type(Light& light, LightType type, const Bounds& bounds) {

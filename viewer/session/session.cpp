@@ -7,6 +7,8 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/image/heatmap.h"
+#include "viewer/session/pixel_maps.h"
+#include "viewer/session/visibility_source.h"
 
 namespace relume {
 namespace {
@@ -43,6 +45,12 @@ Session::Session(SessionParts parts)
   CHECK_MSG(info_.record_counts.size() == pixels, "{} of {}", info_.record_counts.size(), pixels);
   frame_.worker = std::make_unique<RelightWorker>(std::move(parts.frames));
   info_.has_reference = false;
+  if (!info_.predicted_error.empty()) {
+    info_.predicted_mean = mean_covered(info_.predicted_error, info_.coverage);
+  }
+  if (parts.visibility) {
+    visibility_.worker = std::make_unique<RelightWorker>(std::move(parts.visibility));
+  }
   if (parts.reference) set_reference(std::move(parts.reference));
 }
 
@@ -52,6 +60,7 @@ void Session::set_notify(const std::function<void()>& notify) {
   notify_ = notify;
   frame_.worker->set_notify(notify);
   if (reference_.worker) reference_.worker->set_notify(notify);
+  if (visibility_.worker) visibility_.worker->set_notify(notify);
 }
 
 void Session::set_reference(std::unique_ptr<FrameSource> source) {
@@ -74,6 +83,7 @@ void Session::wait(bool resting) {
     asked = ask(resting);
     frame_.worker->wait_idle();
     if (reference_.worker) reference_.worker->wait_idle();
+    if (visibility_.worker) visibility_.worker->wait_idle();
     take();
   }
   paint();
@@ -83,7 +93,8 @@ bool Session::ask(bool resting) {
   view_problem_ = find_problem(view_.lights);
   if (!view_problem_.empty()) return false;
   const bool asked_frame = ask_frame(resting);
-  return ask_reference(resting) || asked_frame;
+  const bool asked_reference = ask_reference(resting);
+  return ask_visibility() || asked_reference || asked_frame;
 }
 
 /// A picture that was not asked for yet comes coarse when all of it would take too long; the rest
@@ -124,6 +135,23 @@ bool Session::ask_reference(bool resting) {
   return true;
 }
 
+const Light* Session::selected_light() const {
+  const bool exists =
+      view_.selected_light >= 0 && view_.selected_light < static_cast<int>(view_.lights.size());
+  return exists ? &view_.lights[static_cast<size_t>(view_.selected_light)] : nullptr;
+}
+
+bool Session::ask_visibility() {
+  const Light* light = selected_light();
+  const bool wanted = view_.shown == ShownPicture::visibility && visibility_.worker && light;
+  if (!wanted) return false;
+  const RelightRequest request{.lights = {*light}, .shadows = view_.shadows, .may_stop = true};
+  const bool is_asked = visibility_.asked && visibility_.asked->shadows == request.shadows &&
+                        same_layer(visibility_.asked->lights[0], *light);
+  if (!is_asked) submit(visibility_, request);
+  return !is_asked;
+}
+
 void Session::submit(Channel& channel, const RelightRequest& request) {
   channel.asked = request;
   channel.worker->submit(request);
@@ -134,13 +162,16 @@ void Session::take() {
   take(frame_);
   if (frame_.version != version) budget_.add(frame_.latest);
   take(reference_);
+  take(visibility_);
   status_.stats = frame_.latest.stats;
   status_.frame_ms = frame_.latest.ms;
   status_.pixels = frame_.version > 0 ? frame_.latest.request.pixels : PixelShare::none;
   status_.problem = view_problem_;
   if (status_.problem.empty()) status_.problem = frame_.problem;
   if (status_.problem.empty()) status_.problem = reference_.problem;
-  status_.busy = frame_.worker->busy() || (reference_.worker && reference_.worker->busy());
+  if (status_.problem.empty()) status_.problem = visibility_.problem;
+  status_.busy = frame_.worker->busy() || (reference_.worker && reference_.worker->busy()) ||
+                 (visibility_.worker && visibility_.worker->busy());
 }
 
 void Session::take(Channel& channel) {
@@ -161,6 +192,20 @@ bool Session::reference_is_current() const {
          same_lighting(reference_.latest.request.lights, shown_lights(view_));
 }
 
+bool Session::visibility_is_current() const {
+  const Light* light = selected_light();
+  if (visibility_.version == 0 || light == nullptr) return false;
+  const RelightRequest& shown = visibility_.latest.request;
+  return shown.shadows == view_.shadows && same_layer(shown.lights[0], *light);
+}
+
+const Image* Session::shown_image() const {
+  if (picture_.version == 0) return nullptr;
+  if (status_.painted == ShownPicture::reference) return &reference_.latest.image;
+  if (status_.painted != ShownPicture::frame) return nullptr;
+  return status_.refined ? &reference_.latest.image : &frame_.latest.image;
+}
+
 bool Session::is_refined() const {
   return view_.refine && view_.shadows != ShadowMethod::none && reference_is_current();
 }
@@ -172,11 +217,20 @@ ShownPicture Session::paintable() const {
     case ShownPicture::reference:
       if (reference_is_current()) return ShownPicture::reference;
       break;
+    case ShownPicture::difference:
     case ShownPicture::heatmap:
-      if (reference_is_current() && frame_is_current()) return ShownPicture::heatmap;
+      if (reference_is_current() && frame_is_current()) return view_.shown;
       break;
     case ShownPicture::predicted:
       if (!info_.predicted_error.empty()) return ShownPicture::predicted;
+      break;
+    case ShownPicture::visibility:
+      // Stays, a little behind, while the light moves.
+      if (visibility_.version > 0 && selected_light() != nullptr) return view_.shown;
+      break;
+    case ShownPicture::type:
+    case ShownPicture::normal:
+      if (cache_ != nullptr) return view_.shown;
       break;
     case ShownPicture::records:
       return ShownPicture::records;
@@ -189,21 +243,26 @@ void Session::paint() {
   const ShownPicture shown = paintable();
   const bool refined = shown == ShownPicture::frame && is_refined();
   const bool is_whole = frame_.latest.request.pixels == PixelShare::all || refined;
-  status_.outdated =
-      shown != view_.shown || !(ignores_lights(shown) || (frame_is_current() && is_whole));
+  const bool shows_lights = frame_is_current() && is_whole;
+  const bool is_current = shown == ShownPicture::visibility ? visibility_is_current()
+                                                            : ignores_lights(shown) || shows_lights;
+  status_.outdated = shown != view_.shown || !is_current;
   // A heatmap stays, marked as outdated, until the next one is there.
   if (shown != view_.shown && view_.shown == ShownPicture::heatmap &&
       status_.painted == ShownPicture::heatmap && picture_.version > 0) {
     return;
   }
-  const bool needs_frame = shown == ShownPicture::frame || shown == ShownPicture::heatmap;
+  const bool needs_frame = shown == ShownPicture::frame || shown == ShownPicture::heatmap ||
+                           shown == ShownPicture::difference;
   const PaintKey key{shown,
                      view_.heat_range,
                      view_.display.curve,
                      view_.display.exposure,
                      needs_frame && !refined ? frame_.version : 0,
                      needs_reference(shown) || refined ? reference_.version : 0,
-                     refined};
+                     refined,
+                     view_.false_color,
+                     shown == ShownPicture::visibility ? visibility_.version : 0};
   if (painted_ == key) return;
   painted_ = key;
   status_.painted = shown;
@@ -227,6 +286,18 @@ void Session::paint() {
     case ShownPicture::records:
       paint_map(info_.record_counts);
       break;
+    case ShownPicture::difference:
+      paint_difference();
+      break;
+    case ShownPicture::visibility:
+      paint_map(visibility_.latest.image.pixels);
+      break;
+    case ShownPicture::type:
+      paint_encoded(type_map(*cache_));
+      break;
+    case ShownPicture::normal:
+      paint_encoded(normal_map(*cache_));
+      break;
   }
   ++picture_.version;
 }
@@ -234,8 +305,32 @@ void Session::paint() {
 void Session::paint_image(const Image& image) {
   picture_.width = image.width;
   picture_.height = image.height;
+  display_image(image, view_, picture_.rgba);
+}
+
+/// Ten times the frame minus the reference, around middle grey.
+void Session::paint_difference() {
+  Image shown = frame_.latest.image;
+  const Image& reference = reference_.latest.image;
+  for (size_t i = 0; i < shown.pixels.size(); ++i) {
+    shown.pixels[i] = 0.5f + (shown.pixels[i] - reference.pixels[i]) / ten_times_range;
+  }
+  status_.error = compare_images(frame_.latest.image, reference_.latest.image, info_.coverage);
+  paint_encoded(shown);
+}
+
+/// An image of display values in [0, 1], three channels.
+void Session::paint_encoded(const Image& image) {
+  picture_.width = image.width;
+  picture_.height = image.height;
   picture_.rgba.resize(4 * image.pixel_count());
-  apply_display_rgba(image, view_.display, picture_.rgba);
+  for (size_t i = 0; i < image.pixel_count(); ++i) {
+    const vec3 color = glm::clamp(image.rgb(i), 0.0f, 1.0f);
+    for (int c = 0; c < 3; ++c) {
+      picture_.rgba[4 * i + c] = static_cast<uint8_t>(255.0f * color[c] + 0.5f);
+    }
+    picture_.rgba[4 * i + 3] = 255;
+  }
 }
 
 void Session::paint_heatmap() {
@@ -252,7 +347,9 @@ void Session::paint_map(const std::vector<float>& values) {
 }
 
 void Session::paint_scaled(const Image& values) {
-  if (status_.painted == ShownPicture::records) {
+  if (status_.painted == ShownPicture::visibility) {
+    status_.heat_range = 1;
+  } else if (status_.painted == ShownPicture::records) {
     status_.heat_range = record_map_range(info_.records);
   } else {
     status_.heat_range =
@@ -294,6 +391,7 @@ Session make_session(std::unique_ptr<const Scene> scene, std::unique_ptr<const T
   parts.view.shadows = tracer ? ShadowMethod::ray : ShadowMethod::none;
   parts.view.display.exposure = cache.exposure;
   parts.frames = make_cache_source(std::move(frames), tracer.get());
+  if (tracer) parts.visibility = make_visibility_source(*parts.frames->cache(), *tracer);
   if (reference && tracer) {
     parts.reference = make_cache_source(std::move(*reference), tracer.get(), ShadowMethod::ray);
   }

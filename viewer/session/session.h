@@ -33,6 +33,7 @@ struct SessionInfo {
   bool can_trace = false;              ///< traced shadows are available
   bool has_members = false;            ///< shadow rays from members are, too
   bool has_reference = false;
+  double predicted_mean = 0;  ///< of predicted_error over covered pixels
 };
 
 /// An 8-bit RGBA picture ready for the screen, rows top to bottom.
@@ -67,6 +68,7 @@ struct SessionParts {
   ViewState view;
   std::unique_ptr<FrameSource> frames;
   std::unique_ptr<FrameSource> reference;
+  std::unique_ptr<FrameSource> visibility;  ///< see make_visibility_source(); null: none
 };
 
 /// One open view: the lights and settings that a person edits, and the pictures that follow from
@@ -87,6 +89,10 @@ class Session {
   /// The records behind the frame, and behind the reference; null where the source has none.
   const RelightCache* cache() const { return cache_; }
   const RelightCache* reference_cache() const { return reference_cache_; }
+
+  /// The scene-linear image that the picture shows; null while it shows a map, and before the
+  /// first.
+  const Image* shown_image() const;
 
   /// Adds the reference where there is none yet. `source` relights with traced shadows.
   void set_reference(std::unique_ptr<FrameSource> source);
@@ -132,24 +138,31 @@ class Session {
     uint64_t frame;
     uint64_t reference;
     bool refined;
+    bool false_color;
+    uint64_t visibility;
     bool operator==(const PaintKey&) const = default;
   };
 
   bool ask(bool resting);
   bool ask_frame(bool resting);
   bool ask_reference(bool resting);
+  bool ask_visibility();
   static void submit(Channel& channel, const RelightRequest& request);
   void take();
   static void take(Channel& channel);
   void paint();
   bool frame_is_current() const;
   bool reference_is_current() const;
+  bool visibility_is_current() const;
+  const Light* selected_light() const;
   bool is_refined() const;
   ShownPicture paintable() const;
   void paint_image(const Image& image);
   void paint_heatmap();
   void paint_map(const std::vector<float>& values);
   void paint_scaled(const Image& values);
+  void paint_difference();
+  void paint_encoded(const Image& image);
 
   std::unique_ptr<const Scene> scene_;
   std::unique_ptr<const Tracer> tracer_;
@@ -166,6 +179,7 @@ class Session {
   FrameBudget budget_;
   Channel frame_;  // the channels go first: their sources may use tracer_
   Channel reference_;
+  Channel visibility_;  ///< uses the frame's cache
 };
 
 /// A session over a scene's caches. `frames` holds the reduced records; `reference`, prepared with

@@ -49,11 +49,12 @@ std::string format_prepare(const SessionFile& session) {
 std::string format_view(const ViewState& view) {
   return fmt::format(
       "{{\n    \"shown\": {}, \"shadows\": {}, \"exposure\": {}, \"curve\": {}, "
-      "\"heat_range\": {},\n    \"frame_ms\": {}, \"refine\": {}, \"zoom\": {}, "
+      "\"false_color\": {}, \"heat_range\": {},\n    \"frame_ms\": {}, \"refine\": {}, \"zoom\": "
+      "{}, "
       "\"zoom_center\": [{}, {}]\n  }}",
       quoted_label(shown_picture_labels, view.shown),
       quoted_label(shadow_method_labels, view.shadows), json_number(view.display.exposure),
-      quoted_label(tone_curve_labels, view.display.curve),
+      quoted_label(tone_curve_labels, view.display.curve), view.false_color,
       quoted_label(heat_range_labels, view.heat_range), json_number(view.frame_ms), view.refine,
       json_number(view.zoom), json_number(view.zoom_center_px.x),
       json_number(view.zoom_center_px.y));
@@ -103,12 +104,13 @@ void read_prepare(const JsonNode& node, SessionFile& session) {
 }
 
 void read_view(const JsonNode& node, ViewState& view) {
-  node.expect_keys({"shown", "shadows", "exposure", "curve", "heat_range", "frame_ms", "refine",
-                    "zoom", "zoom_center"});
+  node.expect_keys({"shown", "shadows", "exposure", "curve", "false_color", "heat_range",
+                    "frame_ms", "refine", "zoom", "zoom_center"});
   node.read("shown", view.shown, shown_picture_labels);
   node.read("shadows", view.shadows, shadow_method_labels);
   node.read("exposure", view.display.exposure, -max_stops, max_stops);
   node.read("curve", view.display.curve, tone_curve_labels);
+  node.read("false_color", view.false_color);
   node.read("heat_range", view.heat_range, heat_range_labels);
   node.read("frame_ms", view.frame_ms, 0, max_frame_ms);
   node.read("refine", view.refine);

@@ -1,6 +1,17 @@
 #include "viewer/session/view_state.h"
 
+#include "viewer/session/false_color.h"
+
 namespace relume {
+
+void display_image(const Image& image, const ViewState& view, std::vector<uint8_t>& rgba) {
+  rgba.resize(4 * image.pixel_count());
+  if (view.false_color) {
+    apply_false_color(image, view.display.exposure, rgba);
+  } else {
+    apply_display_rgba(image, view.display, rgba);
+  }
+}
 
 std::vector<Light> shown_lights(const ViewState& view) {
   std::vector<Light> lights = view.lights;

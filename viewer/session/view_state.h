@@ -12,9 +12,21 @@
 namespace relume {
 
 /// What the picture shows. `reference` is every sample with traced shadows; `heatmap` is the error
-/// of the frame against it; `predicted` is the error that preparation expects of each pixel, and
-/// `records` how many records it has, whatever the lights.
-enum class ShownPicture { frame, reference, heatmap, predicted, records };
+/// of the frame against it, and `difference` ten times the frame minus the reference around grey.
+/// `predicted` is the error that preparation expects of each pixel, `records` how many records it
+/// has, `type` the sample type that most of it belongs to and `normal` its mean normal, all of them
+/// whatever the lights. `visibility` is how much of it the selected light reaches.
+enum class ShownPicture {
+  frame,
+  reference,
+  heatmap,
+  predicted,
+  records,
+  difference,
+  visibility,
+  type,
+  normal
+};
 
 inline constexpr std::array shown_picture_labels = {
     Label<ShownPicture>{ShownPicture::frame, "frame"},
@@ -22,16 +34,22 @@ inline constexpr std::array shown_picture_labels = {
     Label<ShownPicture>{ShownPicture::heatmap, "heatmap"},
     Label<ShownPicture>{ShownPicture::predicted, "predicted"},
     Label<ShownPicture>{ShownPicture::records, "records"},
+    Label<ShownPicture>{ShownPicture::difference, "difference"},
+    Label<ShownPicture>{ShownPicture::visibility, "visibility"},
+    Label<ShownPicture>{ShownPicture::type, "type"},
+    Label<ShownPicture>{ShownPicture::normal, "normal"},
 };
 
 /// True for pictures that come from the reference.
 constexpr bool needs_reference(ShownPicture shown) {
-  return shown == ShownPicture::reference || shown == ShownPicture::heatmap;
+  return shown == ShownPicture::reference || shown == ShownPicture::heatmap ||
+         shown == ShownPicture::difference;
 }
 
 /// True for pictures that lights do not change.
 constexpr bool ignores_lights(ShownPicture shown) {
-  return shown == ShownPicture::predicted || shown == ShownPicture::records;
+  return shown == ShownPicture::predicted || shown == ShownPicture::records ||
+         shown == ShownPicture::type || shown == ShownPicture::normal;
 }
 
 /// Where the scale of the heatmap and of the predicted error ends: at an error of 0.1, so that
@@ -58,6 +76,7 @@ struct ViewState {
   ShownPicture shown = ShownPicture::frame;
   ShadowMethod shadows = ShadowMethod::ray;
   DisplayTransform display;
+  bool false_color = false;  ///< pictures show their luminance in stops, see false_color.h
   HeatRange heat_range = HeatRange::ten_times;
   /// A frame that is predicted to take longer, in milliseconds, is first shown coarse: a quarter of
   /// the pixels. 0: never.
@@ -68,6 +87,9 @@ struct ViewState {
   float zoom = 0;          ///< screen pixels per picture pixel; 0 = fit into the window
   vec2 zoom_center_px{0};  ///< picture position in the middle of the window when zoom > 0
 };
+
+/// `image`, scene-linear, as `view` displays pictures: RGBA, 8 bits. Resizes `rgba`.
+void display_image(const Image& image, const ViewState& view, std::vector<uint8_t>& rgba);
 
 /// The lights as the picture shows them: muted where others are soloed.
 std::vector<Light> shown_lights(const ViewState& view);
