@@ -105,12 +105,23 @@ void add_radiance(const V* radiance, float* sums) {
   }
 }
 
+/// Loop bodies are one straight piece of code, for one, two or four lights and several packs. Not
+/// under a sanitizer, with whose checks that takes minutes and gigabytes to compile: then one light
+/// and one pack at a time, to the same bits.
+#if defined(RELUME_SANITIZED)
+#define RELUME_FLATTEN
+inline constexpr bool is_unrolled = false;
+#else
+#define RELUME_FLATTEN [[gnu::flatten]]
+inline constexpr bool is_unrolled = true;
+#endif
+
 /// Packs that are shaded side by side: the chain of dependent operations of one record under one
 /// light is longer than what a core looks ahead. With more packs than this, records would come from
 /// memory in an order that its prefetchers do not foresee, and registers would not suffice.
 constexpr int packs_together(int lights) {
   const int chains = native_width == lanes ? 2 : 4;
-  return chains > lights ? chains / lights : 1;
+  return is_unrolled && chains > lights ? chains / lights : 1;
 }
 
 /// How far ahead of a tile's data its successors' are asked for: beyond the tile itself, since its
@@ -127,14 +138,6 @@ void prefetch_next(uintptr_t& ahead) {
   }
   ahead += bytes;
 }
-
-/// Loop bodies are one straight piece of code. Not under a sanitizer, whose checks would make that
-/// piece too large to compile.
-#if defined(RELUME_SANITIZED)
-#define RELUME_FLATTEN
-#else
-#define RELUME_FLATTEN [[gnu::flatten]]
-#endif
 
 /// Shades slots of one shader under `count` lights. A lane's sum goes in the list's order.
 /// Flattened, so that the chains of a loop body overlap.
@@ -179,8 +182,13 @@ struct ShaderKernels {
 
 template <class Shader, CacheFormat format, LightKernel kind>
 constexpr ShaderKernels kernels_of() {
-  return {shade_slots<Shader, format, kind, 1>, shade_slots<Shader, format, kind, 2>,
-          shade_slots<Shader, format, kind, 4>, layout_of<Shader, format>.words * lanes};
+  constexpr int words = layout_of<Shader, format>.words * lanes;
+  if constexpr (is_unrolled) {
+    return {shade_slots<Shader, format, kind, 1>, shade_slots<Shader, format, kind, 2>,
+            shade_slots<Shader, format, kind, 4>, words};
+  } else {
+    return {shade_slots<Shader, format, kind, 1>, nullptr, nullptr, words};
+  }
 }
 
 /// Writes one type's slots as floats, see BlockKernels::decode_slots.
@@ -246,7 +254,7 @@ inline void shade_list(const ShaderKernels& kernels, SlotList& list, const Kerne
   }
   for (int done = 0; done < tile.light_count;) {
     const int left = tile.light_count - done;
-    const int now = left >= 4 ? 4 : left >= 2 ? 2 : 1;
+    const int now = !is_unrolled ? 1 : left >= 4 ? 4 : left >= 2 ? 2 : 1;
     const ShadeSlots shade = now == 4 ? kernels.four : now == 2 ? kernels.two : kernels.one;
     shade(list, *tile.axes, tile.lights + done);
     done += now;
