@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -102,6 +103,7 @@ TradeoffParams make_study_params(const StudyOptions& options, const Scene& scene
                      : options.quick       ? quick_truth_spp
                                            : full_truth_spp;
   params.lights = options.lights > 0 ? options.lights : options.quick ? quick_lights : full_lights;
+  params.lights = std::max(2, params.lights);  // with one there is nothing to move to
   params.width = options.width;
   params.height = options.height;
   if (options.quick && options.width == 0) params.width = scene.width / quick_shrink;

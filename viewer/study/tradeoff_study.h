@@ -25,8 +25,8 @@ struct TradeoffParams {
   std::vector<int> traced_spp;        ///< pictures traced anew for every move, no records
   int spp = 25;                       ///< samples per pixel that records are made from
   int truth_spp = 256;  ///< of the truth, each with its ray; other samples than the records'
-  int lights = 8;       ///< random point lights that are moved to, one after the other
-  int repeats = 3;      ///< of a timed move, the least counts
+  int lights = 8;       ///< >= 2 random point lights that are moved to, one after the other
+  int repeats = 3;      ///< rounds of all lights, each one's least time counts
   int width = 0;        ///< pixels; 0 = the scene's
   int height = 0;
   TrainingParams training;  ///< of the light metrics
