@@ -140,7 +140,9 @@ function layoutShadows() {
     }
   }
   for (const file of Object.keys(files)) {
-    parts.push(heading(file.replace(/^shadows-|\.png$/g, "")), element("div", { class: "scroll" }, element("img", { src: files[file], alt: "maps of visibility" })));
+    parts.push(heading(file.replace(/^shadows-|\.png$/g, "")),
+      paragraph("Maps of visibility, a row a light: the truth, then each setting in the order of the table below.", "note"),
+      element("div", { class: "scroll" }, element("img", { src: files[file], alt: "maps of visibility" })));
   }
   const numbers = ["truth_visibility", "mae", "bias", "noise", "flicker", "truth_change"].map((key) => ({ label: key.replace("_", " "), value: (r) => r[key] }));
   parts.push(heading("All figures"), table({ rows: study.rows, columns: [sceneColumn, { label: "light", value: (r) => r.light }, methodColumn,
