@@ -4,7 +4,11 @@
 
 #include "core/base/parallel.h"
 #include "core/base/random.h"
+#include "shadow/traced.h"
+#include "tests/support/receiver_set.h"
+#include "tests/support/records.h"
 #include "tests/support/scenes.h"
+#include "viewer/study/lit_visibility.h"
 #include "viewer/study/shadow_study.h"
 
 namespace relume {
@@ -115,6 +119,46 @@ TEST(ShadowTruth, OfAnUnshadowedPlaneIsOne) {
   }
 }
 
+TEST(LitVisibility, IsZeroWhereNoLightReaches) {
+  ReceiverSet receivers;
+  receivers.add({0, 0, 0}, {0, 0, 1}, 1e-4f);
+  receivers.add({0, 0, 0}, {0, 0, -1}, 1e-4f);  // turned away
+  receivers.add({9, 0, 0}, {0, 0, 1}, 1e-4f);   // outside the cone
+  const Scene scene = make_plane_scene(0.1f, vec3(0.5f), 8, 8);
+  const Tracer tracer(scene);
+  TracedVisibility traced(tracer);
+  const auto seen = [&](const Light& light, bool surface, bool from_behind) {
+    traced.prepare(light);
+    std::vector<float> visibility(3);
+    LitVisibility(traced, light)
+        .visibility(receivers.view(surface, from_behind), visibility.data());
+    return visibility;
+  };
+  const Light spot = make_spot_light({0, 0, 3}, {0, 0, -1}, 20, 30);
+  EXPECT_EQ(seen(spot, true, false), (std::vector<float>{1, 0, 0}));
+  EXPECT_EQ(seen(spot, true, true)[2], 0) << "outside the cone";
+  EXPECT_EQ(seen(spot, false, false), (std::vector<float>{1, 1, 0})) << "strands have no back";
+  EXPECT_EQ(seen(make_point_light({0, 0, 3}), true, false), (std::vector<float>{1, 0, 1}));
+  EXPECT_EQ(seen(make_directional_light({0, 0, 1}), true, false)[0], 0);
+}
+
+TEST(ShadowTruth, FadesAtTheTerminatorOfASphere) {
+  // Lit from the side, the half that turns away is dark: no pixel's neighbour jumps from the
+  // shadow of the sphere to full visibility.
+  Scene scene = make_empty_scene(make_camera({0, 0, 5}, vec3(0), 30), 48, 48);
+  add_shape(scene, make_sphere(vec3(0), 1, 48, add_material(scene, "lambert")));
+  const Tracer tracer(scene);
+  const ViewSampler view = make_view_sampler(scene, tracer, 48, 48, 16, 1);
+  const StudyLight light{"side", {make_directional_light({-1, 0, 0})}};
+  const ShadowTruth truth = trace_truth(view, make_window(0, vec2(0), 48, 48), {&light, 1}, {});
+  for (int x = 12; x < 36; ++x) {
+    const float seen = truth.steps[0][0][24 * 48 + x];
+    if (x < 22 || x > 25) {
+      EXPECT_EQ(seen, x < 22 ? 0 : 1) << x;
+    }
+  }
+}
+
 TEST(ShadowStudy, AllSamplesTracedAreTheirOwnReference) {
   const Scene scene = make_covered_plane();
   const Tracer tracer(scene);
@@ -137,7 +181,8 @@ TEST(ShadowStudy, AllSamplesTracedAreTheirOwnReference) {
   const ShadowLightFigure ray = mean_figure(study.figures[2]);
   EXPECT_GT(none.visibility.mae, 2 * ray.visibility.mae);
   EXPECT_GT(none.error_of_all, ray.error_of_all);
-  EXPECT_NEAR(none.visibility.mae, 1 - none.truth_visibility, 1e-6) << "without shadows";
+  const ShadowLightFigure& overhead = study.figures[1].lights[2];
+  EXPECT_NEAR(overhead.visibility.mae, 1 - overhead.truth_visibility, 1e-6) << "without shadows";
   EXPECT_NEAR(none.flicker, none.truth_change, 1e-12) << "a frozen shadow";
 }
 

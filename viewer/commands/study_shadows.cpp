@@ -21,7 +21,10 @@ std::vector<ShadowTrial> make_trials(const StudyOptions& options) {
   }
   std::vector<ShadowMethod> shadows = options.shadows;
   if (shadows.empty()) {
-    for (const auto& [shadow, label] : shadow_method_labels) shadows.push_back(shadow);
+    for (const auto& [shadow, label] : shadow_method_labels) {
+      // What auto picks has a row of its own.
+      if (shadow != ShadowMethod::automatic) shadows.push_back(shadow);
+    }
   }
   std::vector<ShadowTrial> trials;
   for (const ReductionMethod method : methods) {
@@ -82,6 +85,8 @@ FigureRow to_row(const std::string& scene, const ShadowFigure& figure,
           {"reference_mean", light.reference_mean},
           {"ms_prepare", times.ms_prepare},
           {"ms_move", times.ms_move},
+          {"ms_coarse", times.ms_coarse},
+          {"coarse_ratio_to_ray", times.coarse_ratio_to_ray},
           {"ratio_to_ray", times.ratio_to_ray},
           {"ratio_to_all", times.ratio_to_all},
           {"records_per_s", times.records_per_s},
@@ -99,8 +104,8 @@ void print_table(const std::string& scene, const ShadowStudy& study,
   for (const StudyLight& light : study.lights) fmt::print(" {} |", light.name);
   fmt::print(
       " bias | noise | flicker | eq. 7, % | of all samples, % | ms a move | of one ray a record | "
-      "of all rays | MiB |\n|");
-  for (size_t i = 0; i < 11 + study.lights.size(); ++i) fmt::print(" --- |");
+      "of all rays | coarse, of one ray a record | MiB |\n|");
+  for (size_t i = 0; i < 12 + study.lights.size(); ++i) fmt::print(" --- |");
   fmt::print("\n");
   for (const ShadowFigure& figure : study.figures) {
     const ShadowLightFigure mean = mean_figure(figure);
@@ -114,10 +119,10 @@ void print_table(const std::string& scene, const ShadowStudy& study,
                percent * mean.error_of_all);
     const ShadowTimes& times = figure.times;
     if (times.ms_move > 0) {
-      fmt::print(" {:.1f} | {:.4f} | {:.4f} |", times.ms_move, times.ratio_to_ray,
-                 times.ratio_to_all);
+      fmt::print(" {:.1f} | {:.4f} | {:.4f} | {:.4f} |", times.ms_move, times.ratio_to_ray,
+                 times.ratio_to_all, times.coarse_ratio_to_ray);
     } else {
-      fmt::print(" | | |");
+      fmt::print(" | | | |");
     }
     fmt::print(" {:.0f} |\n", static_cast<double>(figure.structure_bytes) / (1 << 20));
   }

@@ -7,17 +7,28 @@
 #include "core/base/timer.h"
 #include "core/image/metrics.h"
 #include "core/relight/pixel_visibility.h"
+#include "core/relight/receivers.h"
 #include "core/relight/relight.h"
 #include "core/samples/cache_writer.h"
 #include "core/shade/shaders.h"
 #include "viewer/session/method_training.h"
 #include "viewer/session/prepare.h"
+#include "viewer/study/lit_visibility.h"
 
 namespace relume {
 namespace {
 
 /// Added to the seed of the truth, whose samples are others than those of any trial.
 constexpr uint64_t truth_seed_offset = 0x7275746800000000u;
+
+/// Sees every light from everywhere.
+class NoShadows final : public VisibilitySource {
+ public:
+  void prepare(const Light&) override {}
+  void visibility(const Receivers& receivers, float* visibility) const override {
+    std::fill_n(visibility, receivers.count, 1.0f);
+  }
+};
 
 /// What all trials on a scene share.
 struct Setting {
@@ -96,10 +107,12 @@ std::vector<float> crop(std::span<const float> values, int channels, int width,
 
 std::vector<float> window_visibility(const Setting& setting, const RelightCache& cache,
                                      VisibilitySource* source, const Light& light) {
-  const size_t pixels = static_cast<size_t>(setting.window.width) * setting.window.height;
-  if (source == nullptr) return std::vector<float>(pixels, 1.0f);
-  source->prepare(light);
-  return crop(pixel_visibility(cache, *source), 1, cache.info().width, setting.window);
+  static const NoShadows no_shadows;
+  if (source != nullptr) source->prepare(light);
+  const VisibilitySource* shown = source;
+  if (shown == nullptr) shown = &no_shadows;
+  return crop(pixel_visibility(cache, LitVisibility(*shown, light)), 1, cache.info().width,
+              setting.window);
 }
 
 Image window_frame(const Setting& setting, const RelightCache& cache, VisibilitySource* source,
@@ -190,6 +203,25 @@ ShadowFigure measure_trial(const Setting& setting, const ShadowStudy& study,
   return figure;
 }
 
+/// Asks for the records of the pixels that coarse frames shade.
+void query_coarse(const RelightCache& cache, const VisibilitySource& source) {
+  const BlockDecoder decoder(cache, InstructionSet::automatic);
+  const auto tiles = cache.tiles();
+  parallel_for(tiles.size(), 1, [&](size_t begin, size_t end) {
+    std::vector<float> scratch;
+    std::vector<float> visibility;
+    for (size_t t = begin; t < end; ++t) {
+      size_t first = tiles[t].first_slot * block_lanes;
+      const int blocks = cache.block_count(tiles[t], PixelShare::quarter);
+      for (int b = 0; b < blocks; ++b) {
+        const PackedBlock block = cache.block(tiles[t], b);
+        query_block(cache.info(), block, decoder.floats(block, scratch), first, source, visibility);
+        first += visibility.size();
+      }
+    }
+  });
+}
+
 /// Least time of a move of the first light on all records of `cache`.
 ShadowTimes time_trial(const Setting& setting, const RelightCache& cache, const StudyLight& light,
                        ShadowMethod shadow) {
@@ -206,6 +238,17 @@ ShadowTimes time_trial(const Setting& setting, const RelightCache& cache, const 
     if (ms >= times.ms_move) continue;
     times.ms_move = ms;
     times.ms_prepare = prepared_ms;
+  }
+  // A coarse frame asks for a quarter of the pixels, unless prepare() answers for all.
+  times.ms_coarse = times.ms_move;
+  if (source->all_visibility().empty()) {
+    double look_up_ms = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < setting.params.repeats; ++i) {
+      const Timer timer;
+      query_coarse(cache, *source);
+      look_up_ms = std::min(look_up_ms, timer.ms());
+    }
+    times.ms_coarse = times.ms_prepare + look_up_ms;
   }
   times.records_per_s = static_cast<double>(cache.info().record_count) / (times.ms_move * 1e-3);
   return times;
@@ -246,6 +289,7 @@ void time_trials(const Setting& setting, ShadowStudy& study, const ProgressCallb
     figure.times =
         is_ray ? ray : time_trial(setting, *cache, study.lights.front(), figure.trial.shadow);
     figure.times.ratio_to_ray = figure.times.ms_move / ray.ms_move;
+    figure.times.coarse_ratio_to_ray = figure.times.ms_coarse / ray.ms_move;
     figure.times.ratio_to_all = all_ms > 0 ? figure.times.ms_move / all_ms : 0;
   }
 }

@@ -35,8 +35,9 @@ struct ShadowStudyParams {
   uint64_t seed = 0;
 };
 
-/// One trial under one light. Visibility is the mean over a pixel's records, unshaded; all over the
-/// covered pixels of the window.
+/// One trial under one light. Visibility is the mean over a pixel's records, unshaded, 0
+/// for those that the light cannot light (LitVisibility); all over the covered pixels of the
+/// window.
 struct ShadowLightFigure {
   std::string light;
   double truth_visibility = 0;  ///< its mean
@@ -53,9 +54,11 @@ struct ShadowLightFigure {
 /// the whole picture, all threads, without shading. 0 = not timed.
 struct ShadowTimes {
   double ms_prepare = 0;
-  double ms_move = 0;       ///< both
-  double ratio_to_ray = 0;  ///< to one traced ray a record, the same records
-  double ratio_to_all = 0;  ///< to one traced ray a sample
+  double ms_move = 0;    ///< both
+  double ms_coarse = 0;  ///< of a coarse frame's move: a quarter of the pixels (PixelShare)
+  double coarse_ratio_to_ray = 0;  ///< ms_coarse to one traced ray a record of all pixels
+  double ratio_to_ray = 0;         ///< to one traced ray a record, the same records
+  double ratio_to_all = 0;         ///< to one traced ray a sample
   double records_per_s = 0;
 };
 

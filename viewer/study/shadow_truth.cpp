@@ -3,6 +3,7 @@
 #include "core/base/parallel.h"
 #include "core/shade/reference.h"
 #include "shadow/traced.h"
+#include "viewer/study/lit_visibility.h"
 
 namespace relume {
 namespace {
@@ -75,7 +76,7 @@ void trace_tile(const ViewSampler& view, const TilePlace& place,
     const TypedRows& rows = tile.types[t];
     const SampleType& type = view.types.types[t];
     std::vector<float> answers(rows.rows());
-    traced.visibility(receivers[t].view(), answers.data());
+    LitVisibility(traced, light).visibility(receivers[t].view(), answers.data());
     for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
       for (uint32_t row = rows.first[pixel]; row < rows.first[pixel + 1]; ++row) {
         seen[pixel] += double{rows.weights[row]} * dvec2(answers[row], 1);

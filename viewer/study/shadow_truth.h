@@ -30,8 +30,8 @@ struct ShadowTruth {
 };
 
 /// All samples of `view` within the window, each with its own ray to every place of every light:
-/// spp * pixels * places rays. Visibility is the mean over the samples that hit, unshaded, 1 for
-/// those that the light cannot light (see TracedVisibility). All threads, bit-equal for any number.
+/// spp * pixels * places rays. Visibility is the mean over the samples that hit, unshaded, 0 for
+/// those that the light cannot light (see LitVisibility). All threads, bit-equal for any number.
 ShadowTruth trace_truth(const ViewSampler& view, const StudyWindow& window,
                         std::span<const StudyLight> lights, const ProgressCallback& progress);
 
