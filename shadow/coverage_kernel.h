@@ -20,6 +20,7 @@ enum CoverageArray {
   array_reach_u,   ///< half the footprint's extent in u,
   array_reach_v,   ///< in v
   array_far,       ///< and the farthest depth that an occluder in front of it may have
+  array_size,      ///< root of three times the covariance's trace, over w
   array_softness,  ///< 1 / (2 half the spread): occluders are counted from -1/2 to 1/2 of it
   array_l0,
   array_l1,
@@ -70,7 +71,8 @@ struct CoverageBounds {
   float* u_high;
   float* v_low;
   float* v_high;
-  float* z_high;  ///< farthest depth that an occluder in front of may count
+  float* z_high;    ///< farthest depth that an occluder in front of may count
+  float* size_low;  ///< size of the smallest footprint, in all directions together
 };
 
 /// A hair segment or a triangle in a view.
@@ -83,6 +85,7 @@ struct CoveragePrimitive {
   bool is_sheet;   ///< nor do those that wind one way and those that wind the other
   bool has_plane;  ///< depth is plane[0] u + plane[1] v + plane[2]; else as at the corners
   float plane[3];
+  float slack;  ///< how far its own receivers' piece may lie off: see ThinLevel
 };
 
 /// Blocks and what may shade them.

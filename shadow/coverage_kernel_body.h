@@ -117,6 +117,7 @@ inline void project_lanes(const Gathered& in, const CoverageView& view, int lane
   store(array_zv, zv);
   const F reach_u = F(root_three) * l0;
   const F reach_v = F(root_three) * (absolute(l1) + l2);
+  store(array_size, F(root_three) * sqrt(covariance[0] + covariance[3] + covariance[5]) * inverse);
   store(array_reach_u, reach_u);
   store(array_reach_v, reach_v);
   store(array_far, z + fma(absolute(zu), reach_u, fma(absolute(zv), reach_v, spread)));
@@ -151,6 +152,8 @@ inline void bound_block(const float* block, int count, const CoverageBounds& bou
     *bounds.v_low = first ? v - reach_v : least(*bounds.v_low, v - reach_v);
     *bounds.v_high = first ? v + reach_v : most(*bounds.v_high, v + reach_v);
     *bounds.z_high = first ? z : most(*bounds.z_high, z);
+    const float size = at(array_size, lane);
+    *bounds.size_low = first ? size : least(*bounds.size_low, size);
   }
 }
 
@@ -260,6 +263,7 @@ struct Triangle {
   float u[3], v[3];
   float z0, zu, zv;  // plane through the first corner
   float z_low, z_high;
+  float slack;  ///< in depth
   float opacity;
 };
 
@@ -283,6 +287,7 @@ inline bool make_triangle(const CoveragePrimitive& p, Triangle& t) {
     t.zu = (z1 * v2 - z2 * v1) / area;
     t.zv = (z2 * u1 - z1 * u2) / area;
   }
+  t.slack = p.slack * (1 + most(t.zu, -t.zu) + most(t.zv, -t.zv));
   t.z_low = least(p.z[0], least(p.z[1], p.z[2]));
   t.z_high = most(p.z[0], most(p.z[1], p.z[2]));
   t.opacity = p.opacity;
@@ -332,7 +337,7 @@ inline void shade_own(const Footprints& receivers, const Triangle& t, Mask<nativ
     most_turn = i == 0 ? turn : max(most_turn, turn);
   }
   const F plane = fma(F(t.zu), u - F(t.u[0]), fma(F(t.zv), v - F(t.v[0]), F(t.z0)));
-  const F weight = select(plane < receivers.load(array_own_z), F(t.opacity), F(0));
+  const F weight = select(plane < receivers.load(array_own_z) - F(t.slack), F(t.opacity), F(0));
   const F own = select(is_own, weight, F(0));
   receivers.store(array_front, receivers.load(array_front) + select(least_turn > F(0), own, F(0)));
   receivers.store(array_back, receivers.load(array_back) + select(most_turn < F(0), own, F(0)));

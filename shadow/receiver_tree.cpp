@@ -282,10 +282,11 @@ void bound_lit_receivers(ReceiverTree& tree) {
     a.v_low = std::min(a.v_low, b.v_low);
     a.v_high = std::max(a.v_high, b.v_high);
     a.z_high = std::max(a.z_high, b.z_high);
+    a.size_low = std::min(a.size_low, b.size_low);
   };
   for (size_t i = tree.nodes.size(); i-- > 0;) {
     ReceiverNode& node = tree.nodes[i];
-    node.u_low = node.v_low = infinity;
+    node.u_low = node.v_low = node.size_low = infinity;
     node.u_high = node.v_high = node.z_high = -infinity;
     for (uint32_t c = 0; c < node.child_count; ++c) merge(node, tree.nodes[node.first_child + c]);
     if (node.child_count > 0) continue;
@@ -293,7 +294,8 @@ void bound_lit_receivers(ReceiverTree& tree) {
     for (uint32_t b = 0; b < leaf.block_count; ++b) {
       const CoverageBounds bounds = tree.bounds_of(leaf.first_block + b);
       if (*bounds.z_high <= dark_depth) continue;
-      merge(node, {*bounds.u_low, *bounds.u_high, *bounds.v_low, *bounds.v_high, *bounds.z_high});
+      merge(node, {*bounds.u_low, *bounds.u_high, *bounds.v_low, *bounds.v_high, *bounds.z_high,
+                   *bounds.size_low});
     }
   }
 }

@@ -15,7 +15,8 @@ struct ReceiverNode {
   float u_high = 0;
   float v_low = 0;
   float v_high = 0;
-  float z_high = 0;  ///< nothing farther is in front of any of them
+  float z_high = 0;    ///< nothing farther is in front of any of them
+  float size_low = 0;  ///< size of the smallest footprint
   uint32_t first_child = 0;
   uint32_t child_count = 0;  ///< 0 = leaf
   uint32_t leaf = 0;         ///< of a leaf
@@ -45,12 +46,12 @@ struct ReceiverTree {
   };
   std::array<View, max_light_views> views;
   std::vector<float> blocks;  ///< coverage_block_floats each
-  std::vector<float> bounds[5];
+  std::vector<float> bounds[6];
   uint32_t block_count = 0;
 
   CoverageBounds bounds_of(uint32_t block) {
-    return {&bounds[0][block], &bounds[1][block], &bounds[2][block], &bounds[3][block],
-            &bounds[4][block]};
+    return {&bounds[0][block], &bounds[1][block], &bounds[2][block],
+            &bounds[3][block], &bounds[4][block], &bounds[5][block]};
   }
 };
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "core/trace/texture_lookup.h"
+#include "shadow/thin_levels.h"
 
 namespace relume {
 namespace {
@@ -267,6 +268,7 @@ ThinShape make_leaves(const Scene& scene, const Mesh& mesh, double max_width, bo
     if (piece.triangle_count > 0) shape.pieces.push_back(piece);
   }
   make_chunks(shape);
+  shape.levels = make_levels(shape);
   return shape;
 }
 

@@ -28,6 +28,15 @@ struct ThinChunk {
   Bounds bounds;  ///< local, strand radii included
 };
 
+/// A coarser form of a shape of triangles: the same pieces in the same order.
+struct ThinLevel {
+  std::vector<float> error;  ///< local, per chunk: how far its surface lies from the shape's
+  std::vector<vec4> vertices;
+  std::vector<uvec3> triangles;
+  std::vector<float> opacity;  ///< above 1 where area was lost
+  std::vector<ThinPiece> pieces;
+};
+
 /// The thin pieces of one shape, in its local space, stored once however often it is placed.
 struct ThinShape {
   bool is_strands = false;
@@ -36,6 +45,7 @@ struct ThinShape {
   std::vector<float> opacity;    ///< per triangle, (0, 1]; empty = all 1
   std::vector<ThinPiece> pieces;
   std::vector<ThinChunk> chunks;
+  std::vector<ThinLevel> levels;   ///< of triangles: coarser and coarser, may be empty
   std::vector<uint32_t> piece_of;  ///< per triangle of the scene's mesh, or no_piece
 };
 

@@ -14,6 +14,8 @@ constexpr float near_part = 1e-3f;
 /// coordinates stay exact.
 constexpr float far_out = 8;
 constexpr size_t stack_size = 256;
+/// Coarser forms may lie off by this part of the smallest footprint that they may shade.
+constexpr float level_error_part = 1;
 
 struct Box {
   float u_low, u_high, v_low, v_high, z_low;
@@ -24,7 +26,7 @@ bool overlaps(const Box& box, const ReceiverNode& node) {
          box.v_high >= node.v_low && box.z_low <= node.z_high;
 }
 
-/// Calls visit(leaf) for each leaf that the box may reach, until it returns false.
+/// Calls visit(node) for each leaf that the box may reach.
 template <class Visit>
 void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
                    std::vector<uint32_t>& stack, const Visit& visit) {
@@ -34,7 +36,7 @@ void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
   while (top != stack.data()) {
     const ReceiverNode& node = tree.nodes[*--top];
     if (node.child_count == 0) {
-      if (overlaps(box, node) && !visit(node.leaf)) return;
+      if (overlaps(box, node)) visit(node);
       continue;
     }
     if (static_cast<size_t>(top - stack.data()) + node.child_count > stack.size()) {
@@ -49,16 +51,6 @@ void for_each_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
       }
     }
   }
-}
-
-bool reaches_leaf(const ReceiverTree& tree, uint32_t root, const Box& box,
-                  std::vector<uint32_t>& stack) {
-  bool reached = false;
-  for_each_leaf(tree, root, box, stack, [&](uint32_t) {
-    reached = true;
-    return false;
-  });
-  return reached;
 }
 
 /// x, y, d and w as linear functions of a shape's local position.
@@ -111,8 +103,20 @@ class ChunkProjector {
     v_high_ = root.v_high + far_out * v;
   }
 
-  /// False when nothing within the local bounds reaches a leaf. `depth`: of the nearest corner.
-  bool may_reach(const Bounds& bounds, float& depth) {
+  /// What the receivers that a chunk may reach say of it.
+  struct ChunkReach {
+    bool is_any = false;
+    float depth = std::numeric_limits<float>::lowest();  ///< of its nearest corner
+    float w = 0;         ///< of its nearest corner, 0 = too near to tell
+    float size_low = 0;  ///< size of the smallest footprint it may reach
+  };
+
+  /// `bounds`: local ones.
+  ChunkReach find_reach(const Bounds& bounds) {
+    unsigned outside = all_planes;
+    bool is_near = false;
+    ChunkReach reach;
+    reach.w = std::numeric_limits<float>::infinity();
     Box box{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
             std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
             std::numeric_limits<float>::infinity()};
@@ -121,37 +125,55 @@ class ChunkProjector {
                    (corner & 2) != 0 ? bounds.high.y : bounds.low.y,
                    (corner & 4) != 0 ? bounds.high.z : bounds.low.z);
       const vec4 q = shape_.point(p);
-      if (!(q.w > near_w_)) {
-        depth = std::numeric_limits<float>::lowest();
-        return true;
-      }
+      outside &= outside_planes(q);
+      is_near |= !(q.w > near_w_);
+      if (is_near) continue;
       extend(box, q.x / q.w, q.y / q.w, q.z / q.w);
+      reach.w = std::min(reach.w, q.w);
     }
-    depth = box.z_low;
-    return reaches_leaf(tree_, view_.root, box, scratch_.stack);
+    if (outside != 0) return {};
+    if (is_near) return {true};
+    reach.depth = box.z_low;
+    reach.size_low = std::numeric_limits<float>::infinity();
+    for_each_leaf(tree_, view_.root, box, scratch_.stack, [&](const ReceiverNode& node) {
+      reach.is_any = true;
+      reach.size_low = std::min(reach.size_low, node.size_low);
+    });
+    return reach;
   }
+
+  /// False when nothing within the local bounds reaches a leaf.
+  bool may_reach(const Bounds& bounds) { return find_reach(bounds).is_any; }
 
   /// Projects the points of a piece; false when nothing of it reaches a leaf. What is
   /// added then has to belong to the piece.
   bool project_piece(const vec4* points, uint32_t count) {
     scratch_.points.resize(count);
+    scratch_.projected.resize(count);
     constexpr float infinity = std::numeric_limits<float>::infinity();
     Box box{infinity, -infinity, infinity, -infinity, infinity};
     bool is_whole = true;
+    unsigned outside = all_planes;
     for (uint32_t i = 0; i < count; ++i) {
       const vec4 p = shape_.point(vec3(points[i]));
       scratch_.points[i] = p;
-      is_whole &= is_within(p);
+      const unsigned beyond = outside_planes(p);
+      is_whole &= beyond == 0;
+      // A strand's radius may reach in where its axis does not.
+      outside &= points[i].w > 0 ? 0 : beyond;
       // A strand's half width is at most its radius over w, times the obliqueness of the view.
       const float inverse = 1 / p.w;
       const float u = p.x * inverse;
       const float v = p.y * inverse;
+      scratch_.projected[i] = vec3(u, v, p.z * inverse);
       const float oblique = 1 + shape_.k * (std::abs(u) + std::abs(v));
       const float pad = points[i].w * shape_.radius_scale * std::abs(inverse) * oblique;
       extend(box, u - pad, v - pad, p.z * inverse);
       extend(box, u + pad, v + pad, p.z * inverse);
     }
+    if (outside != 0) return false;
     start_ = view_.root;
+    is_whole_ = is_whole;
     if (!is_whole) return true;
     if (!overlaps(box, tree_.nodes[start_])) return false;
     // Down while one child holds all that the piece reaches.
@@ -211,27 +233,33 @@ class ChunkProjector {
   }
 
   void add_triangle(uint32_t a, uint32_t b, uint32_t c, float opacity, uint32_t piece,
-                    bool is_sheet) {
-    vec4 corners[max_corners] = {scratch_.points[a], scratch_.points[b], scratch_.points[c]};
-    int count = 3;
-    Plane plane;
-    if (!is_within(corners[0]) || !is_within(corners[1]) || !is_within(corners[2])) {
-      plane = find_plane(corners);
-      count = cut_polygon(corners, count);
+                    bool is_sheet, float slack) {
+    CoveragePrimitive primitive{};
+    primitive.opacity = opacity;
+    primitive.piece = piece;
+    primitive.is_sheet = is_sheet;
+    primitive.slack = slack;
+    if (is_whole_) {
+      append_triangle(primitive, scratch_.projected[a], scratch_.projected[b],
+                      scratch_.projected[c]);
+      return;
     }
+    vec4 corners[max_corners] = {scratch_.points[a], scratch_.points[b], scratch_.points[c]};
+    const unsigned beyond[3] = {outside_planes(corners[0]), outside_planes(corners[1]),
+                                outside_planes(corners[2])};
+    if ((beyond[0] & beyond[1] & beyond[2]) != 0) return;
+    if ((beyond[0] | beyond[1] | beyond[2]) == 0) {
+      append_triangle(primitive, scratch_.projected[a], scratch_.projected[b],
+                      scratch_.projected[c]);
+      return;
+    }
+    const Plane plane = find_plane(corners);
+    primitive.has_plane = plane.is_known;
+    std::copy_n(plane.slope, 3, primitive.plane);
+    const int count = cut_polygon(corners, 3);
+    const auto project = [](vec4 p) { return vec3(p) / p.w; };
     for (int i = 2; i < count; ++i) {
-      CoveragePrimitive primitive{};
-      set_corner(primitive, 0, corners[0]);
-      set_corner(primitive, 1, corners[i - 1]);
-      set_corner(primitive, 2, corners[i]);
-      primitive.opacity = opacity;
-      primitive.piece = piece;
-      primitive.is_sheet = is_sheet;
-      primitive.has_plane = plane.is_known;
-      std::copy_n(plane.slope, 3, primitive.plane);
-      Box box{primitive.u[0], primitive.u[0], primitive.v[0], primitive.v[0], primitive.z[0]};
-      for (int j = 1; j < 3; ++j) extend(box, primitive.u[j], primitive.v[j], primitive.z[j]);
-      append(primitive, box);
+      append_triangle(primitive, project(corners[0]), project(corners[i - 1]), project(corners[i]));
     }
   }
 
@@ -276,6 +304,18 @@ class ChunkProjector {
     primitive.z[i] = p.z * inverse;
   }
 
+  void append_triangle(CoveragePrimitive& primitive, vec3 p, vec3 q, vec3 r) {
+    const vec3 low = glm::min(p, glm::min(q, r));
+    const vec3 high = glm::max(p, glm::max(q, r));
+    const vec3 corners[3] = {p, q, r};
+    for (int i = 0; i < 3; ++i) {
+      primitive.u[i] = corners[i].x;
+      primitive.v[i] = corners[i].y;
+      primitive.z[i] = corners[i].z;
+    }
+    append(primitive, {low.x, high.x, low.y, high.y, low.z});
+  }
+
   /// Distance from the inner side of plane `plane` of 5, > 0 inside.
   float inside(vec4 p, int plane) const {
     switch (plane) {
@@ -291,6 +331,14 @@ class ChunkProjector {
         return v_high_ * p.w - p.y;
     }
   }
+
+  /// A bit for each plane that `p` lies outside of or on.
+  unsigned outside_planes(vec4 p) const {
+    unsigned planes = 0;
+    for (int plane = 0; plane < 5; ++plane) planes |= inside(p, plane) > 0 ? 0u : 1u << plane;
+    return planes;
+  }
+  static constexpr unsigned all_planes = 31;
 
   bool is_within(vec4 p) const {
     return inside(p, 0) > 0 && inside(p, 1) >= 0 && inside(p, 2) >= 0 && inside(p, 3) >= 0 &&
@@ -347,10 +395,9 @@ class ChunkProjector {
   void append(const CoveragePrimitive& primitive, const Box& box) {
     const auto number = static_cast<uint32_t>(out_.primitives.size());
     bool reached = false;
-    for_each_leaf(tree_, start_, box, scratch_.stack, [&](uint32_t leaf) {
-      out_.reaches.push_back({leaf, number});
+    for_each_leaf(tree_, start_, box, scratch_.stack, [&](const ReceiverNode& node) {
+      out_.reaches.push_back({node.leaf, number});
       reached = true;
-      return true;
     });
     if (reached) out_.primitives.push_back(primitive);
   }
@@ -360,13 +407,30 @@ class ChunkProjector {
   const ShapeView& shape_;
   ProjectionScratch& scratch_;
   ProjectedGeometry& out_;
-  uint32_t start_ = 0;  ///< node that holds all that the piece reaches
+  uint32_t start_ = 0;     ///< node that holds all that the piece reaches
+  bool is_whole_ = false;  ///< nothing of the piece has to be cut
   float near_w_ = 0;
   float u_low_ = 0;
   float u_high_ = 0;
   float v_low_ = 0;
   float v_high_ = 0;
 };
+
+}  // namespace
+
+namespace {
+
+/// The coarsest level that is nowhere farther off than a part of the smallest footprint.
+void choose_level(const ThinShape& shape, float scale, float w, float size_low,
+                  ProjectionWork& work) {
+  if (!(w > 0)) return;
+  for (uint32_t l = 0; l < shape.levels.size(); ++l) {
+    const float off = shape.levels[l].error[work.chunk] * scale / w;
+    if (!(off <= level_error_part * size_low)) return;
+    work.level = l + 1;
+    work.slack = off * std::max(1.0f, 1 / w);
+  }
+}
 
 }  // namespace
 
@@ -391,7 +455,10 @@ std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
         ChunkProjector projector(tree, tree.views[v], view, scratch, unused);
         for (uint32_t c = 0; c < shape.chunks.size(); ++c) {
           ProjectionWork work{v, static_cast<uint32_t>(i), c};
-          if (!projector.may_reach(shape.chunks[c].bounds, work.depth)) continue;
+          const auto reach = projector.find_reach(shape.chunks[c].bounds);
+          if (!reach.is_any) continue;
+          work.depth = reach.depth;
+          choose_level(shape, view.radius_scale, reach.w, reach.size_low, work);
           found[i / part_instances].push_back(work);
         }
       }
@@ -403,22 +470,17 @@ std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
   return all;
 }
 
-void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receivers,
-                   const LightViews& lights, const ReceiverTree& tree, const ProjectionWork& work,
-                   ProjectionScratch& scratch, ProjectedGeometry& out) {
-  const ThinInstance& instance = geometry.instances[work.instance];
-  const ThinShape& shape = geometry.shapes[instance.shape];
-  const ThinChunk& chunk = shape.chunks[work.chunk];
-  const ShapeView view =
-      make_shape_view(lights.views[work.view], instance.world_from_local, receivers);
-  ChunkProjector projector(tree, tree.views[work.view], view, scratch, out);
-  float depth = 0;
-  if (!projector.may_reach(chunk.bounds, depth)) return;
+namespace {
+
+/// Hands the pieces of a chunk, of a shape or one of its levels, to the projector.
+template <class Shape>
+void project_pieces(const Shape& shape, const ThinChunk& chunk, uint32_t first_number,
+                    bool is_strands, float slack, ChunkProjector& projector) {
   for (uint32_t p = chunk.first_piece; p < chunk.first_piece + chunk.piece_count; ++p) {
     const ThinPiece& piece = shape.pieces[p];
-    const uint32_t number = instance.first_piece + p;
+    const uint32_t number = first_number + p;
     if (!projector.project_piece(&shape.vertices[piece.first_vertex], piece.vertex_count)) continue;
-    if (shape.is_strands) {
+    if (is_strands) {
       for (uint32_t v = 0; v + 1 < piece.vertex_count; ++v) {
         projector.add_segment(v, v + 1, shape.vertices[piece.first_vertex + v].w,
                               shape.vertices[piece.first_vertex + v + 1].w, number);
@@ -428,8 +490,28 @@ void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receive
     for (uint32_t i = piece.first_triangle; i < piece.first_triangle + piece.triangle_count; ++i) {
       const uvec3 t = shape.triangles[i] - piece.first_vertex;
       projector.add_triangle(t.x, t.y, t.z, shape.opacity.empty() ? 1.0f : shape.opacity[i], number,
-                             piece.is_sheet);
+                             piece.is_sheet, slack);
     }
+  }
+}
+
+}  // namespace
+
+void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receivers,
+                   const LightViews& lights, const ReceiverTree& tree, const ProjectionWork& work,
+                   ProjectionScratch& scratch, ProjectedGeometry& out) {
+  const ThinInstance& instance = geometry.instances[work.instance];
+  const ThinShape& shape = geometry.shapes[instance.shape];
+  const ThinChunk& chunk = shape.chunks[work.chunk];
+  const ShapeView view =
+      make_shape_view(lights.views[work.view], instance.world_from_local, receivers);
+  ChunkProjector projector(tree, tree.views[work.view], view, scratch, out);
+  if (!projector.may_reach(chunk.bounds)) return;
+  if (work.level > 0) {
+    const ThinLevel& level = shape.levels[work.level - 1];
+    project_pieces(level, chunk, instance.first_piece, false, work.slack, projector);
+  } else {
+    project_pieces(shape, chunk, instance.first_piece, shape.is_strands, 0, projector);
   }
 }
 

@@ -10,7 +10,9 @@ struct ProjectionWork {
   uint32_t view = 0;
   uint32_t instance = 0;
   uint32_t chunk = 0;
-  float depth = 0;  ///< of its nearest corner
+  uint32_t level = 0;  ///< 0 = the shape itself, l = its level l - 1
+  float depth = 0;     ///< of its nearest corner
+  float slack = 0;     ///< how far a level's surface may lie off in the light's picture
 };
 
 /// The chunks that may reach a receiver, in each view that has any, near ones first.
@@ -31,7 +33,8 @@ struct ProjectedGeometry {
 
 /// What projecting needs of memory; one a thread.
 struct ProjectionScratch {
-  std::vector<vec4> points;  ///< x, y, d, w
+  std::vector<vec4> points;     ///< x, y, d, w
+  std::vector<vec3> projected;  ///< u, v, z
   std::vector<uint32_t> stack;
 };
 

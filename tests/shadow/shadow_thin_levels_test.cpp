@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include "shadow/thin_geometry.h"
+#include "tests/support/scenes.h"
+
+namespace relume {
+namespace {
+
+using namespace test;  // NOLINT: scene builders
+
+/// A blade that bends over a quarter of a circle of radius 1, 16 x 1 quads, 0.1 wide.
+Mesh make_bent_blade(uint32_t material) {
+  constexpr uint32_t steps = 16;
+  Mesh mesh;
+  for (uint32_t i = 0; i <= steps; ++i) {
+    const float angle = 0.5f * pi * static_cast<float>(i) / steps;
+    for (const float side : {-0.05f, 0.05f}) {
+      mesh.positions.emplace_back(std::cos(angle), std::sin(angle), side);
+    }
+  }
+  for (uint32_t i = 0; i < 2 * steps; i += 2) {
+    mesh.triangles.emplace_back(i, i + 1, i + 3);
+    mesh.triangles.emplace_back(i, i + 3, i + 2);
+  }
+  mesh.materials.assign(mesh.triangles.size(), material);
+  return mesh;
+}
+
+/// Area of triangles, each times its opacity.
+template <class Shape>
+double covered_area(const Shape& shape) {
+  double area = 0;
+  for (size_t i = 0; i < shape.triangles.size(); ++i) {
+    const uvec3 t = shape.triangles[i];
+    const vec3 a(shape.vertices[t.x]);
+    const vec3 n = glm::cross(vec3(shape.vertices[t.y]) - a, vec3(shape.vertices[t.z]) - a);
+    area += 0.5 * static_cast<double>(glm::length(n)) *
+            (shape.opacity.empty() ? 1.0 : static_cast<double>(shape.opacity[i]));
+  }
+  return area;
+}
+
+TEST(ThinLevels, KeepAreaAndStayWithinTheirError) {
+  Scene scene = make_empty_scene(make_camera({0, 1, 5}, vec3(0), 40), 64, 64);
+  const uint32_t material = add_material(scene, "lambert");
+  add_shape(scene, make_bent_blade(material));
+  const ThinGeometry geometry = make_thin_geometry(scene, 64);
+  ASSERT_EQ(geometry.shapes.size(), 1u);
+  const ThinShape& shape = geometry.shapes[0];
+  EXPECT_TRUE(shape.pieces[0].is_sheet);
+  ASSERT_GE(shape.levels.size(), 2u);
+  size_t last = shape.triangles.size();
+  float last_error = 0;
+  for (const ThinLevel& level : shape.levels) {
+    EXPECT_LT(level.triangles.size(), last);
+    EXPECT_EQ(level.pieces.size(), shape.pieces.size());
+    EXPECT_NEAR(covered_area(level), covered_area(shape), 1e-4);
+    ASSERT_EQ(level.error.size(), shape.chunks.size());
+    EXPECT_GE(level.error[0], last_error);
+    // Chords of the circle: their middles are the farthest from it.
+    for (const uvec3 t : level.triangles) {
+      const vec3 corners[3] = {vec3(level.vertices[t.x]), vec3(level.vertices[t.y]),
+                               vec3(level.vertices[t.z])};
+      for (int i = 0; i < 3; ++i) {
+        const vec3 middle = 0.5f * (corners[i] + corners[(i + 1) % 3]);
+        EXPECT_LE(1 - std::hypot(middle.x, middle.y), level.error[0] + 2e-3f);
+      }
+    }
+    last = level.triangles.size();
+    last_error = level.error[0];
+  }
+  EXPECT_GT(last_error, 0);
+}
+
+TEST(ThinLevels, LeaveSolidsThatAreDrawnAsTheyAre) {
+  Scene scene = make_empty_scene(make_camera({0, 1, 5}, vec3(0), 40), 64, 64);
+  const uint32_t material = add_material(scene, "lambert");
+  add_shape(scene, make_sphere({0, 1, 0}, 0.8f, 32, material));
+  const ThinGeometry geometry = make_thin_geometry(scene, 64, 8, 100000);
+  ASSERT_EQ(geometry.shapes.size(), 1u);
+  EXPECT_FALSE(geometry.shapes[0].pieces[0].is_sheet);
+  EXPECT_TRUE(geometry.shapes[0].levels.empty());
+}
+
+}  // namespace
+}  // namespace relume
