@@ -80,6 +80,13 @@ std::string ChildProcess::read_line(std::chrono::milliseconds patience) {
   return line;
 }
 
+void ChildProcess::kill_hard() {
+  if (pid_ <= 0) return;
+  kill(pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+  pid_ = -1;
+}
+
 int ChildProcess::wait(std::chrono::milliseconds patience) {
   const auto end = Clock::now() + patience;
   while (pid_ > 0) {

@@ -22,6 +22,8 @@ class ChildProcess {
   bool started() const { return pid_ > 0; }
   /// The next line of its standard output, or what came of it within `patience`.
   std::string read_line(std::chrono::milliseconds patience);
+  /// Ends it on the spot, as `kill -9` does.
+  void kill_hard();
   /// Its exit code; -1 when it ended otherwise or not within `patience`.
   int wait(std::chrono::milliseconds patience);
 

@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "tests/viewer/child_process.h"
 #include "tests/viewer/fake_session.h"
+#include "tests/viewer/x_server.h"
 #include "viewer/display/run_viewer.h"
 
 namespace relume {
@@ -100,30 +101,6 @@ TEST(DISABLED_Part, ServesAPerson) {
       << workspace.session()->view().display.exposure << ' '
       << label_of(shown_picture_labels, workspace.session()->view().shown) << '\n';
 }
-
-/// A virtual X server on a display of its own choice, for the life of the test.
-class Window : public testing::Test {
- protected:
-  void SetUp() override {
-    server_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{"Xvfb", "-displayfd", "1", "-screen", "0", "1400x1000x24",
-                                 "-nolisten", "tcp"},
-        std::map<std::string, std::string>{}, true);
-    const std::string number = server_->started() ? server_->read_line(20s) : "";
-    if (number.empty()) GTEST_SKIP() << "needs Xvfb: apt-get install xvfb";
-    display_ = ":" + number;
-  }
-
-  /// Runs xdotool; its exit code.
-  int xdotool(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), "xdotool");
-    ChildProcess process(arguments, {{"DISPLAY", display_}}, true);
-    return process.started() ? process.wait(20s) : -1;
-  }
-
-  std::unique_ptr<ChildProcess> server_;
-  std::string display_;
-};
 
 TEST_F(Window, DrawsTheSameBytesAsOffscreen) {
   const std::filesystem::path in_window = fresh_folder("relume_window");

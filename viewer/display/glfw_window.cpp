@@ -3,6 +3,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
+#include <imgui.h>
 
 #include "core/base/error.h"
 #include "core/base/timer.h"
@@ -51,6 +52,10 @@ GlfwWindow::GlfwWindow(const std::string& title, ivec2 size) {
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, [](GLFWwindow* handle, int key, int, int action, int modifiers) {
+    auto* window = static_cast<GlfwWindow*>(glfwGetWindowUserPointer(handle));
+    if (action == GLFW_PRESS && key >= 0) window->presses_.push_back({key, modifiers});
+  });
   glfwSetDropCallback(window_, [](GLFWwindow* handle, int count, const char** paths) {
     const auto* window = static_cast<const GlfwWindow*>(glfwGetWindowUserPointer(handle));
     for (int i = 0; i < count && window->drop_; ++i) window->drop_(paths[i]);
@@ -108,6 +113,34 @@ void GlfwWindow::disconnect_input() {
 
 void GlfwWindow::begin_frame() {
   ImGui_ImplGlfw_NewFrame();
+  replay_key();
+}
+
+/// ImGui looks at which keys are down once a frame: one that went down and up in between, as quick
+/// fingers and slow frames have it, is shown as down for the frame that follows, with the modifiers
+/// that it was pressed with.
+void GlfwWindow::replay_key() {
+  ImGuiIO& io = ImGui::GetIO();
+  const auto is_down = [this](int key) { return glfwGetKey(window_, key) == GLFW_PRESS; };
+  if (replayed_key_ >= 0) {
+    io.KeysDown[replayed_key_] = is_down(replayed_key_);
+    io.KeyCtrl = is_down(GLFW_KEY_LEFT_CONTROL) || is_down(GLFW_KEY_RIGHT_CONTROL);
+    io.KeyShift = is_down(GLFW_KEY_LEFT_SHIFT) || is_down(GLFW_KEY_RIGHT_SHIFT);
+    io.KeyAlt = is_down(GLFW_KEY_LEFT_ALT) || is_down(GLFW_KEY_RIGHT_ALT);
+    replayed_key_ = -1;
+    return;
+  }
+  while (!presses_.empty()) {
+    const KeyPress press = presses_.front();
+    presses_.pop_front();
+    if (press.key >= GLFW_KEY_LEFT_SHIFT) continue;
+    io.KeysDown[press.key] = true;
+    io.KeyCtrl = (press.modifiers & GLFW_MOD_CONTROL) != 0;
+    io.KeyShift = (press.modifiers & GLFW_MOD_SHIFT) != 0;
+    io.KeyAlt = (press.modifiers & GLFW_MOD_ALT) != 0;
+    replayed_key_ = press.key;
+    return;
+  }
 }
 
 void GlfwWindow::set_drop(std::function<void(const std::string& path)> drop) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <string>
 
@@ -37,6 +38,9 @@ class GlfwWindow final : public Surface {
   /// Hands the input since the last frame to ImGui; before ImGui::NewFrame().
   void begin_frame();
 
+  /// There are key presses that begin_frame() has not shown to ImGui yet.
+  bool has_pending_keys() const { return !presses_.empty() || replayed_key_ >= 0; }
+
   /// `drop` is called, within poll_events() and wait_events(), with each file dropped on the
   /// window; empty: nobody is told.
   void set_drop(std::function<void(const std::string& path)> drop);
@@ -49,7 +53,17 @@ class GlfwWindow final : public Surface {
   static void wake();
 
  private:
+  /// A key that went down, with the modifiers of that moment.
+  struct KeyPress {
+    int key = 0;
+    int modifiers = 0;
+  };
+
+  void replay_key();
+
   GLFWwindow* window_ = nullptr;
+  std::deque<KeyPress> presses_;  ///< since the last frame, oldest first
+  int replayed_key_ = -1;
   std::function<void(const std::string& path)> drop_;
 };
 

@@ -60,6 +60,7 @@ void run_events(Workspace& workspace, Screen& screen, GlfwWindow& window) {
     window.present();
     --frames_due;
     if (picture_version(workspace) != shown) frames_due = std::max(frames_due, settle_frames);
+    if (window.has_pending_keys()) frames_due = std::max(frames_due, 1);
     workspace.require_session();
   }
 }

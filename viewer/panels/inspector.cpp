@@ -40,7 +40,8 @@ void add_frame_lines(const Session& session, ivec2 pixel, std::vector<Line>& lin
   const Image* image = session.shown_image();
   if (image == nullptr) return;
   const vec3 c = image->rgb(static_cast<size_t>(pixel.y) * image->width + pixel.x);
-  lines.push_back({"picture", color_text(c), IM_COL32_WHITE});
+  lines.push_back(
+      {session.status().refined ? "all samples" : "picture", color_text(c), IM_COL32_WHITE});
   const float stops = std::log2(luminance(c) / middle_grey);
   lines.push_back({"", is_finite(stops) ? fmt::format("{:+.2f} stops from grey", stops) : "black"});
 }

@@ -29,6 +29,7 @@ InputLoader::InputLoader(InputOpener opener, SessionFile file, std::function<voi
 
 InputLoader::~InputLoader() {
   stopped_ = true;
+  set_paused(false);
   if (thread_.joinable()) thread_.join();
 }
 
@@ -47,7 +48,16 @@ std::unique_ptr<FrameSource> InputLoader::take_reference() {
   return std::move(reference_);
 }
 
+void InputLoader::set_paused(bool paused) {
+  {
+    const std::lock_guard lock(mutex_);
+    paused_ = paused;
+  }
+  resume_.notify_all();
+}
+
 void InputLoader::wait() {
+  set_paused(false);
   if (thread_.joinable()) thread_.join();
 }
 
@@ -104,6 +114,8 @@ bool InputLoader::report(const std::string& stage, double fraction, double secon
     status_.seconds_left = seconds_left;
   }
   tell();
+  std::unique_lock lock(mutex_);
+  resume_.wait(lock, [this] { return !paused_ || stopped_; });
   return !stopped_ && !interrupted();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -57,7 +58,10 @@ class InputLoader {
   /// The tiles prepared so far, see PreparePreview::take().
   bool take_preview(Image& image) { return preview_.take(image); }
   const SessionFile& file() const { return file_; }
-  /// Blocks until everything is there or failed.
+  /// While true the work stands still where it next reports, so that what a person waits for gets
+  /// the processors.
+  void set_paused(bool paused);
+  /// Blocks until everything is there or failed. Ends a pause.
   void wait();
   /// Throws what opening failed with, if it did.
   void rethrow_failure() const;
@@ -75,6 +79,8 @@ class InputLoader {
   std::atomic<bool> stopped_{false};
 
   mutable std::mutex mutex_;  // guards the members below
+  std::condition_variable resume_;
+  bool paused_ = false;
   LoadStatus status_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<FrameSource> reference_;

@@ -202,6 +202,9 @@ void Workspace::update(bool resting) {
   }
   if (resting) autosave();
   session_->update(resting);
+  // The reference can wait, a drag and the first frame cannot.
+  const bool is_urgent = !resting || session_->status().busy || session_->picture().version == 0;
+  if (loader_ && loader_->status().working) loader_->set_paused(is_urgent);
 }
 
 void Workspace::wait(bool resting) {
