@@ -321,6 +321,12 @@ void invalidate(RelightState& state) {
   for (Layer& layer : state.layers) layer.share = PixelShare::none;
 }
 
+void invalidate(RelightState& state, size_t i) {
+  if (i >= state.layers.size()) return;
+  state.layers[i].share = PixelShare::none;
+  if (state.others_of != i) state.others_of.reset();
+}
+
 namespace {
 
 Image make_layer_image(const RelightState& state, size_t i, vec3 weight) {

@@ -72,6 +72,9 @@ RelightStats relight(RelightState& state, std::span<const Light> lights, Visibil
 /// Forgets all layers: the next relight() shades every light.
 void invalidate(RelightState& state);
 
+/// Forgets the layer of light i, if it is there.
+void invalidate(RelightState& state, size_t i);
+
 /// The response to light i at weight 1, RGB; black where it is muted and was not shaded.
 Image layer_image(const RelightState& state, size_t i);
 

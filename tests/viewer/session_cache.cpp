@@ -8,10 +8,10 @@
 namespace relume {
 namespace {
 
-/// The built-in spheres, small, with and without all that belongs to them.
+/// A built-in scene, small, with and without all that belongs to it.
 struct Prepared {
-  Prepared()
-      : scene(std::make_unique<const Scene>(load_scene("spheres", shader_table()))),
+  explicit Prepared(const char* name = "spheres")
+      : scene(std::make_unique<const Scene>(load_scene(name, shader_table()))),
         tracer(std::make_unique<const Tracer>(*scene)) {}
 
   RelightCache prepare(ReductionMethod method) const {
@@ -59,6 +59,38 @@ TEST(CacheSession, FrameIsTheCacheRelitWithTheViewsLights) {
   relight(expected, session.view().lights, nullptr);
   EXPECT_EQ(session.frame().image.pixels, expected.frame.pixels);
   EXPECT_EQ(session.status().problem, "");
+}
+
+TEST(CacheSource, AutomaticShadowsAreQuickWhileALightIsDraggedAndFinerAtRest) {
+  const Prepared prepared("hair");
+  const auto source_of = [&] {
+    return make_cache_source(prepared.prepare(ReductionMethod::strong_kmeans),
+                             prepared.tracer.get());
+  };
+  const auto render = [](FrameSource& source, const RelightRequest& request) {
+    RelitFrame frame;
+    const std::atomic<bool> never{false};
+    source.render(request, never, frame);
+    return frame;
+  };
+  RelightRequest request{.lights = prepared.scene->lights, .shadows = ShadowMethod::automatic};
+  const auto source = source_of();
+  render(*source, request);
+  request.lights[0].position.x += 0.5f;
+  request.dragging = true;
+  request.frame_ms = 1e-6f;  // nothing fits: the quickest is taken
+  const RelitFrame dragged = render(*source, request);
+  EXPECT_EQ(dragged.stats.layers_shaded, 1);
+  EXPECT_TRUE(dragged.shadows_used.starts_with("volume")) << dragged.shadows_used;
+  request.dragging = false;
+  request.frame_ms = 0;
+  const RelitFrame rested = render(*source, request);
+  EXPECT_EQ(rested.stats.layers_shaded, 1) << "the light that was dragged, not the others";
+  EXPECT_TRUE(rested.shadows_used.starts_with("coverage")) << rested.shadows_used;
+  EXPECT_NE(rested.image.pixels, dragged.image.pixels);
+  EXPECT_EQ(render(*source, request).stats.layers_shaded, 0) << "once";
+  request.shadows = ShadowMethod::volume;
+  EXPECT_EQ(render(*source, request).shadows_used, "");
 }
 
 TEST(CacheSession, HeatmapComparesWithEverySample) {

@@ -51,8 +51,9 @@ std::string work_line(const UiState& ui, const Session& session) {
   }
   if (session.picture().version == 0) return line + "relighting...";
   if (!ui.show_timings) return line;
-  return line + fmt::format("{} light{} relit in {:.1f} ms", status.stats.layers_shaded,
-                            status.stats.layers_shaded == 1 ? "" : "s", status.frame_ms);
+  line += fmt::format("{} light{} relit in {:.1f} ms", status.stats.layers_shaded,
+                      status.stats.layers_shaded == 1 ? "" : "s", status.frame_ms);
+  return status.shadows_used.empty() ? line : line + "   shadows " + status.shadows_used;
 }
 
 const char* heat_unit(ShownPicture shown) {

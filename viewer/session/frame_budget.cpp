@@ -21,6 +21,8 @@ int count_changed(const RelightRequest& after, const RelightRequest* before) {
 void FrameBudget::add(const RelitFrame& frame) {
   const double share = share_cost(frame.request.pixels);
   if (!(frame.work.records > 0) || !(share > 0)) return;
+  // At rest they take their time.
+  if (frame.request.shadows == ShadowMethod::automatic && !frame.request.dragging) return;
   records_ = frame.work.records / share;
   pixels_ = frame.work.pixels;
   MethodCosts& costs = costs_[static_cast<size_t>(frame.request.shadows)];

@@ -19,6 +19,7 @@ struct RelightRequest {
   ShadowMethod shadows = ShadowMethod::ray;
   PixelShare pixels = PixelShare::all;  ///< see RelightParams
   bool dragging = false;                ///< see RelightParams
+  float frame_ms = 0;     ///< that a light move may take, for `automatic` shadows; 0: any time
   bool may_stop = false;  ///< a newer request ends it unfinished, since a picture is on the screen
 };
 
@@ -27,9 +28,10 @@ struct RelitFrame {
   RelightRequest request;  ///< what it shows
   Image image;             ///< scene-linear RGB; stale when error is not empty
   RelightStats stats;
-  FrameWork work;     ///< of stats, for FrameCost
-  double ms = 0;      ///< wall time from taking the request to the finished image
-  std::string error;  ///< one line; empty = ok
+  FrameWork work;            ///< of stats, for FrameCost
+  std::string shadows_used;  ///< of `automatic` shadows: the method, and why; else empty
+  double ms = 0;             ///< wall time from taking the request to the finished image
+  std::string error;         ///< one line; empty = ok
 };
 
 /// Computes frames of one view. Used by one thread at a time.

@@ -13,6 +13,8 @@
 namespace relume {
 namespace {
 
+/// What a light move at rest may take with `automatic` shadows; then traced samples follow.
+constexpr float rest_ms = 1000;
 constexpr float ten_times_range = 0.1f;
 
 /// True when both ask for the same picture, at whatever quality.
@@ -102,11 +104,13 @@ bool Session::ask(bool resting) {
 bool Session::ask_frame(bool resting) {
   RelightRequest request{shown_lights(view_), view_.shadows};
   request.dragging = !resting;
+  request.frame_ms = request.dragging ? view_.frame_ms : rest_ms;
   const RelightRequest* before = frame_.version > 0 ? &frame_.latest.request : nullptr;
   if (!frame_.asked || !same_picture(*frame_.asked, request)) {
     request.pixels = budget_.choose_pixels(request, before, view_.frame_ms);
   } else if (frame_.asked->pixels == PixelShare::all) {
     if (request.dragging || !frame_.asked->dragging) return false;  // at rest lights sum in order
+    request.may_stop = view_.shadows == ShadowMethod::automatic;    // whose shadows get finer
   } else if (before == nullptr || !same_picture(*before, request)) {
     return false;
   } else {
@@ -165,6 +169,7 @@ void Session::take() {
   take(visibility_);
   status_.stats = frame_.latest.stats;
   status_.frame_ms = frame_.latest.ms;
+  status_.shadows_used = frame_.latest.shadows_used;
   status_.pixels = frame_.version > 0 ? frame_.latest.request.pixels : PixelShare::none;
   status_.problem = view_problem_;
   if (status_.problem.empty()) status_.problem = frame_.problem;

@@ -48,6 +48,7 @@ struct Picture {
 struct SessionStatus {
   RelightStats stats;                          ///< of the last frame
   double frame_ms = 0;                         ///< wall time of the last frame
+  std::string shadows_used;                    ///< see RelitFrame
   bool busy = false;                           ///< a frame or reference is being computed
   ShownPicture painted = ShownPicture::frame;  ///< what the picture really shows now
   bool outdated = false;                       ///< the picture is not yet what the view asks for
