@@ -38,6 +38,38 @@ float clamp_texel(float x, int size) {
   return std::clamp(x, -1.0f, static_cast<float>(size) + 1.0f);
 }
 
+/// Corners so far off a view's axis are clipped, to a bit around what it sees.
+constexpr float widest_tangent = 4;
+constexpr float clip_tangent = 1.25f;
+
+/// A triangle cut by up to five planes.
+struct ClippedTriangle {
+  vec3 corners[8];
+  int count;
+};
+
+/// Cuts off what lies beyond a plane of a view's frustum: its four sides, then `near`
+/// (Sutherland-Hodgman).
+void clip_to_plane(float near, int plane, ClippedTriangle& triangle) {
+  const auto inside = [&](vec3 p) {
+    if (plane == 4) return p.z - near;
+    return clip_tangent * p.z + (plane % 2 == 0 ? p[plane / 2] : -p[plane / 2]);
+  };
+  ClippedTriangle cut{{}, 0};
+  for (int i = 0; i < triangle.count; ++i) {
+    const vec3 p = triangle.corners[i];
+    const vec3 q = triangle.corners[(i + 1) % triangle.count];
+    const float from = inside(p);
+    const float to = inside(q);
+    if (from >= 0) cut.corners[cut.count++] = p;
+    if ((from >= 0) == (to >= 0)) continue;
+    vec3 at = p + (q - p) * (from / (from - to));
+    at.z = std::max(at.z, near);
+    cut.corners[cut.count++] = at;
+  }
+  triangle = cut;
+}
+
 }  // namespace
 
 void DepthMap::reset(const LightPlane& view) {
@@ -281,41 +313,46 @@ void DepthMap::draw_thin(const Projection& a, const Projection& b, float half_a,
 }
 
 void DepthMap::draw_triangle(vec3 a, vec3 b, vec3 c) {
-  if (!view_.perspective || (a.z >= view_.near && b.z >= view_.near && c.z >= view_.near)) {
-    fill_triangle(view_.project(a), view_.project(b), view_.project(c));
+  const auto is_in_reach = [&](vec3 p) {
+    return p.z >= view_.near && std::max(std::abs(p.x), std::abs(p.y)) <= widest_tangent * p.z;
+  };
+  if (!view_.perspective || (is_in_reach(a) && is_in_reach(b) && is_in_reach(c))) {
+    const Projection pa = view_.project(a);
+    const Projection pb = view_.project(b);
+    const Projection pc = view_.project(c);
+    fill_triangle(pa, pb, pc, make_slope(pa, pb, pc));
     return;
   }
-  // Sutherland-Hodgman against the near plane: three or four corners are left.
-  const vec3 in[3] = {a, b, c};
-  vec3 out[4];
-  int count = 0;
-  for (int i = 0; i < 3; ++i) {
-    const vec3 p = in[i];
-    const vec3 q = in[(i + 1) % 3];
-    if (p.z >= view_.near) out[count++] = p;
-    if ((p.z >= view_.near) == (q.z >= view_.near)) continue;
-    vec3 cut = p + (q - p) * ((view_.near - p.z) / (q.z - p.z));
-    cut.z = view_.near;
-    out[count++] = cut;
-  }
-  for (int i = 2; i < count; ++i) {
-    fill_triangle(view_.project(out[0]), view_.project(out[i - 1]), view_.project(out[i]));
+  // Corners far off the axis lie where numbers are too coarse for slopes: these come from the
+  // triangle in space.
+  const vec3 normal = glm::cross(b - a, c - a);
+  const float away = glm::dot(normal, a) * view_.scale;
+  const NearnessSlope slope{normal.x / away, normal.y / away};
+  ClippedTriangle clipped{{a, b, c}, 3};
+  for (int plane = 0; plane < 5; ++plane) clip_to_plane(view_.near, plane, clipped);
+  for (int i = 2; i < clipped.count; ++i) {
+    fill_triangle(view_.project(clipped.corners[0]), view_.project(clipped.corners[i - 1]),
+                  view_.project(clipped.corners[i]), slope);
   }
 }
 
-void DepthMap::fill_triangle(const Projection& a, const Projection& b, const Projection& c) {
+DepthMap::NearnessSlope DepthMap::make_slope(const Projection& a, const Projection& b,
+                                             const Projection& c) {
+  const float area = (b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v);
+  if (!(std::abs(area) > 0)) return {};
+  return {
+      ((b.nearness - a.nearness) * (c.v - a.v) - (c.nearness - a.nearness) * (b.v - a.v)) / area,
+      ((c.nearness - a.nearness) * (b.u - a.u) - (b.nearness - a.nearness) * (c.u - a.u)) / area};
+}
+
+void DepthMap::fill_triangle(const Projection& a, const Projection& b, const Projection& c,
+                             const NearnessSlope& slope) {
   const int low_v = std::max(0, first_center(clamp_texel(std::min({a.v, b.v, c.v}), view_.height)));
   const int high_v =
       std::min(view_.height, first_center(clamp_texel(std::max({a.v, b.v, c.v}), view_.height)));
   if (low_v >= high_v) return;
   if (std::max({a.u, b.u, c.u}) < 0 || std::min({a.u, b.u, c.u}) > static_cast<float>(view_.width))
     return;
-  const float area = (b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v);
-  if (!(std::abs(area) > 0)) return;
-  const float dn_du =
-      ((b.nearness - a.nearness) * (c.v - a.v) - (c.nearness - a.nearness) * (b.v - a.v)) / area;
-  const float dn_dv =
-      ((c.nearness - a.nearness) * (b.u - a.u) - (b.nearness - a.nearness) * (c.u - a.u)) / area;
   const float most = std::max({a.nearness, b.nearness, c.nearness});
   const float least = std::min({a.nearness, b.nearness, c.nearness});
   const Projection* corners[3] = {&a, &b, &c};
@@ -333,9 +370,9 @@ void DepthMap::fill_triangle(const Projection& a, const Projection& b, const Pro
     }
     const int x0 = std::max(0, first_center(clamp_texel(left, view_.width)));
     const int x1 = std::min(view_.width, first_center(clamp_texel(right, view_.width)));
-    const float start = a.nearness + (v - a.v) * dn_dv - a.u * dn_du;
+    const float start = a.nearness + (v - a.v) * slope.v - a.u * slope.u;
     for (int x = x0; x < x1; ++x) {
-      raise(x, y, std::clamp(start + (static_cast<float>(x) + 0.5f) * dn_du, least, most));
+      raise(x, y, std::clamp(start + (static_cast<float>(x) + 0.5f) * slope.u, least, most));
     }
   }
 }

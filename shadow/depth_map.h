@@ -40,8 +40,15 @@ class DepthMap {
   void draw_thin(const LightPlane::Projection& a, const LightPlane::Projection& b, float half_a,
                  float half_b);
   void draw_triangle(vec3 a, vec3 b, vec3 c);
+  /// Of a triangle's nearness, a texel.
+  struct NearnessSlope {
+    float u = 0;
+    float v = 0;
+  };
+  static NearnessSlope make_slope(const LightPlane::Projection& a, const LightPlane::Projection& b,
+                                  const LightPlane::Projection& c);
   void fill_triangle(const LightPlane::Projection& a, const LightPlane::Projection& b,
-                     const LightPlane::Projection& c);
+                     const LightPlane::Projection& c, const NearnessSlope& slope);
   void raise(int x, int y, float nearness);
   void sort_segments(const StrandSet& strands, std::span<const uint8_t> hidden);
   void draw_band(int band);
