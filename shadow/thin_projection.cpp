@@ -162,7 +162,9 @@ class ChunkProjector {
       // A strand's radius may reach in where its axis does not.
       outside &= points[i].w > 0 ? 0 : beyond;
       // A strand's half width is at most its radius over w, times the obliqueness of the view.
-      const float inverse = 1 / p.w;
+      // Points level with the light lie outside: the piece is not whole then, and the box not
+      // looked at.
+      const float inverse = p.w != 0 ? 1 / p.w : 0;
       const float u = p.x * inverse;
       const float v = p.y * inverse;
       scratch_.projected[i] = vec3(u, v, p.z * inverse);
