@@ -186,8 +186,7 @@ FramePlan plan_in_error(const FrameForecast& forecast, const FrameForecast::Form
 }  // namespace
 
 double measure_move_ms(const RelightCache& cache, VisibilitySource* shadows) {
-  static std::vector<char> evicting;
-  evicting.resize(evicting_bytes);
+  std::vector<char> evicting(evicting_bytes);
   RepeatedFrame frame(cache, static_cast<int>(std::min<size_t>(2, cache.info().lights.size())),
                       InstructionSet::automatic, shadows);
   double least = std::numeric_limits<double>::infinity();
