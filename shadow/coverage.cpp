@@ -30,6 +30,35 @@ uint64_t primitive_count(const ThinGeometry& geometry, const ProjectionWork& wor
   return shape.chunks[work.chunk].primitive_count;
 }
 
+template <class Primitive>
+void clear(ProjectedPrimitives<Primitive>& projected) {
+  projected.primitives.clear();
+  projected.reaches.clear();
+}
+
+/// Primitives sorted by leaf.
+class LeafOrder {
+ public:
+  template <class Primitive>
+  void sort(const ProjectedPrimitives<Primitive>& projected, size_t leaves) {
+    start_.assign(leaves + 2, 0);
+    for (const auto& reach : projected.reaches) ++start_[reach.leaf + 2];
+    for (size_t l = 2; l < start_.size(); ++l) start_[l] += start_[l - 1];
+    order_.resize(projected.reaches.size());
+    for (const auto& reach : projected.reaches) order_[start_[reach.leaf + 1]++] = reach.primitive;
+  }
+
+  template <class Primitive>
+  CoverageList<Primitive> list(const ProjectedPrimitives<Primitive>& projected, size_t leaf) const {
+    return {projected.primitives.data(), order_.data() + start_[leaf],
+            start_[leaf + 1] - start_[leaf]};
+  }
+
+ private:
+  std::vector<uint32_t> start_;  ///< of each leaf, and the end
+  std::vector<uint32_t> order_;
+};
+
 }  // namespace
 
 CoverageVisibility::CoverageVisibility(const Tracer& tracer, const RelightCache& cache,
@@ -89,14 +118,16 @@ void CoverageVisibility::rasterise_part(const LightViews& lights,
   parallel_for(group_count, 1, [&](size_t begin, size_t end) {
     ProjectionScratch scratch;
     for (size_t g = begin; g < end; ++g) {
-      groups_[g].primitives.clear();
-      groups_[g].reaches.clear();
+      clear(groups_[g].segments);
+      clear(groups_[g].triangles);
       for (size_t i = work.size() * g / group_count; i < work.size() * (g + 1) / group_count; ++i) {
         project_chunk(geometry_, receivers_, lights, tree_, work[i], scratch, groups_[g]);
       }
     }
   });
-  for (const ProjectedGeometry& group : groups_) stats_.primitives += group.primitives.size();
+  for (const ProjectedGeometry& group : groups_) {
+    stats_.primitives += group.segments.primitives.size() + group.triangles.primitives.size();
+  }
   stats_.project_ms += timer.ms();
   const Timer shade_timer;
   shade_leaves();
@@ -104,20 +135,13 @@ void CoverageVisibility::rasterise_part(const LightViews& lights,
 }
 
 void CoverageVisibility::shade_leaves() {
-  // Per group and leaf: where its primitives start in the group's order by leaf.
   const size_t leaves = tree_.leaves.size();
-  std::vector<std::vector<uint32_t>> starts(group_count);
-  std::vector<std::vector<uint32_t>> orders(group_count);
+  std::vector<LeafOrder> segments(group_count);
+  std::vector<LeafOrder> triangles(group_count);
   parallel_for(group_count, 1, [&](size_t begin, size_t end) {
     for (size_t g = begin; g < end; ++g) {
-      std::vector<uint32_t>& start = starts[g];
-      start.assign(leaves + 2, 0);
-      for (const auto& reach : groups_[g].reaches) ++start[reach.leaf + 2];
-      for (size_t l = 2; l < start.size(); ++l) start[l] += start[l - 1];
-      orders[g].resize(groups_[g].reaches.size());
-      for (const auto& reach : groups_[g].reaches) {
-        orders[g][start[reach.leaf + 1]++] = reach.primitive;
-      }
+      segments[g].sort(groups_[g].segments, leaves);
+      triangles[g].sort(groups_[g].triangles, leaves);
     }
   });
   std::atomic<uint64_t> tests{0};
@@ -126,14 +150,22 @@ void CoverageVisibility::shade_leaves() {
       const ReceiverLeaf& leaf = tree_.leaves[l];
       CoverageTask task{};
       task.blocks = &tree_.blocks[size_t{leaf.first_block} * coverage_block_floats];
+      task.own =
+          leaf.has_own ? &tree_.own[size_t{leaf.first_own} * own_block_floats] : nullptr;
       task.bounds = tree_.bounds_of(leaf.first_block);
       task.block_count = static_cast<int>(leaf.block_count);
+      std::array<CoverageList<CoverageSegment>, group_count> segment_lists;
+      std::array<CoverageList<CoverageTriangle>, group_count> triangle_lists;
+      int segment_count = 0;
+      int triangle_count = 0;
       for (size_t g = 0; g < group_count; ++g) {
-        task.primitives = groups_[g].primitives.data();
-        task.order = orders[g].data() + starts[g][l];
-        task.count = starts[g][l + 1] - starts[g][l];
-        if (task.count > 0) kernels_.shade(task);
+        const auto some_segments = segments[g].list(groups_[g].segments, l);
+        if (some_segments.count > 0) segment_lists[segment_count++] = some_segments;
+        const auto some_triangles = triangles[g].list(groups_[g].triangles, l);
+        if (some_triangles.count > 0) triangle_lists[triangle_count++] = some_triangles;
       }
+      if (segment_count > 0) kernels_.shade_segments(task, segment_lists.data(), segment_count);
+      if (triangle_count > 0) kernels_.shade_triangles(task, triangle_lists.data(), triangle_count);
       tests += task.tests;
     }
   });

@@ -12,6 +12,7 @@ using F = Pack<native_width>;
 constexpr int lanes = coverage_lanes;
 constexpr float tiny = 1e-30f;
 constexpr float root_three = 1.7320508f;  // half side of a square with unit variance
+constexpr unsigned all_lanes = (1u << (native_width - 1) << 1) - 1u;
 
 inline float least(float a, float b) {
   return a < b ? a : b;
@@ -32,12 +33,13 @@ inline F reciprocal(F x) {
 
 // ---- projection ----
 
-constexpr int gathered_values = 16;
+constexpr int gathered_values = 12;
 
 struct Gathered {
   alignas(64) float value[gathered_values][lanes];  // as CoverageReceiver begins
 };
 
+/// Lanes from `count` on repeat the first.
 inline void gather(const CoverageReceiver* receivers, const uint32_t* index, int count,
                    Gathered& out) {
   for (int lane = 0; lane < lanes; ++lane) {
@@ -58,8 +60,21 @@ inline F product(const F* c, Vec a, Vec b) {
   return fma(a.x, x, fma(a.y, y, a.z * z));
 }
 
+/// (u, v, 1 / k) is the way to the light: its length, times k.
+inline F length_along(F u, F v, float k) {
+  return sqrt(fma(u * F(k), u * F(k), fma(v * F(k), v * F(k), F(1))));
+}
+
+/// What bounds a block, lane by lane.
+struct Extents {
+  float u_low[lanes], u_high[lanes], v_low[lanes], v_high[lanes];
+  float far[lanes];   ///< the farthest depth that an occluder in front may have
+  float size[lanes];  ///< root of three times the covariance's trace, over w
+};
+
 /// One native vector of lanes, from lane `lane` on.
-inline void project_lanes(const Gathered& in, const CoverageView& view, int lane, float* block) {
+inline void project_lanes(const Gathered& in, const CoverageView& view, int lane, float* block,
+                          Extents& extents) {
   const auto load = [&](int i) { return F::load(&in.value[i][lane]); };
   const auto row = [&](int i, int first) {
     const float* r = view.row[i];
@@ -101,9 +116,7 @@ inline void project_lanes(const Gathered& in, const CoverageView& view, int lane
   const F zu = (rvv * cuz - cuv * cvz) / determinant;
   const F zv = (ruu * cvz - cuv * cuz) / determinant;
   const F rest = max(czz - zu * cuz - zv * cvz, F(0));
-  // Towards the light by the bias; (u, v, 1 / k) is the way to the light.
-  const F along = sqrt(fma(u * F(view.k), u * F(view.k), fma(v * F(view.k), v * F(view.k), F(1))));
-  const F bias = load(9) * inverse2 / along;
+  const F bias = load(9) * inverse2 / length_along(u, v, view.k);  // towards the light
   const F spread = max(F(root_three) * sqrt(rest), F(0.25f) * bias + F(1e-12f));
   const F z = depth * inverse - bias - load(10) * spread;
   const F l0 = sqrt(ruu);
@@ -115,134 +128,273 @@ inline void project_lanes(const Gathered& in, const CoverageView& view, int lane
   store(array_z, z);
   store(array_zu, zu);
   store(array_zv, zv);
-  const F reach_u = F(root_three) * l0;
-  const F reach_v = F(root_three) * (absolute(l1) + l2);
-  store(array_size, F(root_three) * sqrt(covariance[0] + covariance[3] + covariance[5]) * inverse);
-  store(array_reach_u, reach_u);
-  store(array_reach_v, reach_v);
-  store(array_far, z + fma(absolute(zu), reach_u, fma(absolute(zv), reach_v, spread)));
   store(array_softness, reciprocal(F(2) * spread));
   store(array_l0, F(root_three) * l0);
   store(array_l1, F(root_three) * l1);
   store(array_l2, F(root_three) * l2);
-  store(array_m0, reciprocal(F(root_three) * l0));
-  store(array_m2, reciprocal(F(root_three) * l2));
-  store(array_piece, load(11));
-  const F own_depth = row(2, 12);
-  const F own_inverse = reciprocal(max(fma(F(view.k), own_depth, F(1)), F(1e-9f)));
-  store(array_own_u, row(0, 12) * own_inverse);
-  store(array_own_v, row(1, 12) * own_inverse);
-  store(array_own_z, fma(own_depth, own_inverse, F(0) - load(15) * inverse2 / along));
-  store(array_front, F(0));
-  store(array_back, F(0));
+  const F reach_u = F(root_three) * l0;
+  const F reach_v = F(root_three) * (absolute(l1) + l2);
+  (u - reach_u).store(&extents.u_low[lane]);
+  (u + reach_u).store(&extents.u_high[lane]);
+  (v - reach_v).store(&extents.v_low[lane]);
+  (v + reach_v).store(&extents.v_high[lane]);
+  (z + fma(absolute(zu), reach_u, fma(absolute(zv), reach_v, spread))).store(&extents.far[lane]);
+  (F(root_three) * sqrt(covariance[0] + covariance[3] + covariance[5]) * inverse)
+      .store(&extents.size[lane]);
 }
 
-/// Bounds of a block's footprints.
-inline void bound_block(const float* block, int count, const CoverageBounds& bounds) {
-  const auto at = [&](int array, int lane) { return block[array * lanes + lane]; };
-  for (int lane = 0; lane < count; ++lane) {
-    const float u = at(array_u, lane);
-    const float v = at(array_v, lane);
-    const float reach_u = at(array_reach_u, lane);
-    const float reach_v = at(array_reach_v, lane);
-    const float z = at(array_far, lane);
-    const bool first = lane == 0;
-    *bounds.u_low = first ? u - reach_u : least(*bounds.u_low, u - reach_u);
-    *bounds.u_high = first ? u + reach_u : most(*bounds.u_high, u + reach_u);
-    *bounds.v_low = first ? v - reach_v : least(*bounds.v_low, v - reach_v);
-    *bounds.v_high = first ? v + reach_v : most(*bounds.v_high, v + reach_v);
-    *bounds.z_high = first ? z : most(*bounds.z_high, z);
-    const float size = at(array_size, lane);
-    *bounds.size_low = first ? size : least(*bounds.size_low, size);
-  }
+inline float lowest(const float (&value)[lanes]) {
+  float low = value[0];
+  for (int lane = 1; lane < lanes; ++lane) low = least(low, value[lane]);
+  return low;
+}
+inline float highest(const float (&value)[lanes]) {
+  float high = value[0];
+  for (int lane = 1; lane < lanes; ++lane) high = most(high, value[lane]);
+  return high;
 }
 
 inline void project(const CoverageReceiver* receivers, const CoverageView& view,
                     const uint32_t* index, int count, float* block, const CoverageBounds& bounds) {
   Gathered gathered;
   gather(receivers, index, count, gathered);
-  for (int lane = 0; lane < lanes; lane += native_width) project_lanes(gathered, view, lane, block);
+  Extents extents;
+  for (int lane = 0; lane < lanes; lane += native_width) {
+    project_lanes(gathered, view, lane, block, extents);
+  }
   for (int lane = 0; lane < lanes; ++lane) {
     block[array_visible * lanes + lane] = lane < count ? 1.0f : 0.0f;
   }
-  bound_block(block, count, bounds);
+  *bounds.u_low = lowest(extents.u_low);
+  *bounds.u_high = highest(extents.u_high);
+  *bounds.v_low = lowest(extents.v_low);
+  *bounds.v_high = highest(extents.v_high);
+  *bounds.z_high = highest(extents.far);
+  *bounds.size_low = lowest(extents.size);
+}
+
+inline void project_own(const CoverageReceiver* receivers, const CoverageAnchor* anchors,
+                        const CoverageView& view, const uint32_t* index, int count, float* own) {
+  float value[4][lanes];
+  for (int lane = 0; lane < lanes; ++lane) {
+    const uint32_t receiver = index[lane < count ? lane : 0];
+    const CoverageAnchor& anchor = anchors[receiver];
+    for (int i = 0; i < 3; ++i) value[i][lane] = anchor.position[i];
+    value[3][lane] = anchor.bias;
+    own[own_piece * lanes + lane] = receivers[receiver].piece;
+  }
+  for (int lane = 0; lane < lanes; lane += native_width) {
+    const auto row = [&](int i) {
+      const float* r = view.row[i];
+      return fma(F(r[0]), F::load(&value[0][lane]),
+                 fma(F(r[1]), F::load(&value[1][lane]),
+                     fma(F(r[2]), F::load(&value[2][lane]), F(r[3]))));
+    };
+    const F depth = row(2);
+    const F inverse = reciprocal(max(fma(F(view.k), depth, F(1)), F(1e-9f)));
+    const F u = row(0) * inverse;
+    const F v = row(1) * inverse;
+    const F bias = F::load(&value[3][lane]) * inverse * inverse / length_along(u, v, view.k);
+    u.store(own + own_u * lanes + lane);
+    v.store(own + own_v * lanes + lane);
+    fma(depth, inverse, F(0) - bias).store(own + own_z * lanes + lane);
+  }
+}
+
+// ---- which primitives may reach which blocks ----
+
+/// Primitives that are looked at together.
+constexpr int batch_size = 256;
+
+/// A rectangle of the picture, and the farthest depth in it.
+struct Area {
+  float u, v;              // middle
+  float reach_u, reach_v;  // half its sides
+  float z_high;
+};
+
+inline Area make_area(float u_low, float u_high, float v_low, float v_high, float z_high) {
+  return {0.5f * (u_low + u_high), 0.5f * (v_low + v_high), 0.5f * (u_high - u_low),
+          0.5f * (v_high - v_low), z_high};
+}
+
+/// What tells whether primitives of a kind reach an area, in arrays.
+template <class Primitive>
+struct Sieve;
+
+template <>
+struct Sieve<CoverageSegment> {
+  static constexpr int fields = 7;
+  alignas(64) float value[fields][batch_size + native_width];
+
+  void fill(int i, const CoverageSegment& s) {
+    const float half_length = 0.5f * s.length;
+    value[0][i] = s.u + half_length * s.du;
+    value[1][i] = s.v + half_length * s.dv;
+    value[2][i] = s.du;
+    value[3][i] = s.dv;
+    value[4][i] = half_length;
+    value[5][i] = s.half_high;
+    value[6][i] = s.z_low;
+  }
+
+  /// > 0: apart from the area, along the segment, across it or in depth.
+  F apart(int first, const Area& area) const {
+    const auto load = [&](int field) { return F::load(&value[field][first]); };
+    const F u = F(area.u) - load(0);
+    const F v = F(area.v) - load(1);
+    const F du = load(2);
+    const F dv = load(3);
+    const F side_u = absolute(du);
+    const F side_v = absolute(dv);
+    const F reach_u(area.reach_u);
+    const F reach_v(area.reach_v);
+    const F across = absolute(v * du - u * dv) - fma(reach_u, side_v, fma(reach_v, side_u, load(5)));
+    const F along =
+        absolute(fma(u, du, v * dv)) - fma(reach_u, side_u, fma(reach_v, side_v, load(4)));
+    return max(max(across, along), load(6) - F(area.z_high));
+  }
+};
+
+template <>
+struct Sieve<CoverageTriangle> {
+  static constexpr int fields = 14;
+  alignas(64) float value[fields][batch_size + native_width];
+
+  void fill(int i, const CoverageTriangle& t) {
+    const float u_low = least(t.u[0], least(t.u[1], t.u[2]));
+    const float u_high = most(t.u[0], most(t.u[1], t.u[2]));
+    const float v_low = least(t.v[0], least(t.v[1], t.v[2]));
+    const float v_high = most(t.v[0], most(t.v[1], t.v[2]));
+    value[0][i] = 0.5f * (u_low + u_high);
+    value[1][i] = 0.5f * (v_low + v_high);
+    value[2][i] = 0.5f * (u_high - u_low);
+    value[3][i] = 0.5f * (v_high - v_low);
+    value[4][i] = t.z_low;
+    // Half planes a u + b v <= c that hold it.
+    const float area =
+        (t.u[1] - t.u[0]) * (t.v[2] - t.v[0]) - (t.u[2] - t.u[0]) * (t.v[1] - t.v[0]);
+    const float turn = area > 0 ? 1.0f : -1.0f;
+    for (int side = 0; side < 3; ++side) {
+      const int next = side == 2 ? 0 : side + 1;
+      const float a = turn * (t.v[next] - t.v[side]);
+      const float b = -turn * (t.u[next] - t.u[side]);
+      value[5 + 3 * side][i] = a;
+      value[6 + 3 * side][i] = b;
+      value[7 + 3 * side][i] = a * t.u[side] + b * t.v[side];
+    }
+  }
+
+  F apart(int first, const Area& area) const {
+    const auto load = [&](int field) { return F::load(&value[field][first]); };
+    const F u(area.u);
+    const F v(area.v);
+    const F reach_u(area.reach_u);
+    const F reach_v(area.reach_v);
+    F apart = max(absolute(u - load(0)) - load(2) - reach_u,
+                  absolute(v - load(1)) - load(3) - reach_v);
+    apart = max(apart, load(4) - F(area.z_high));
+    for (int side = 5; side < fields; side += 3) {
+      const F a = load(side);
+      const F b = load(side + 1);
+      const F inner = fma(absolute(a), reach_u, fma(absolute(b), reach_v, load(side + 2)));
+      apart = max(apart, fma(a, u, b * v) - inner);
+    }
+    return apart;
+  }
+
+  /// Whether it reaches one of the footprints, by its bounds.
+  template <class Receivers>
+  bool reaches(int i, const Receivers& receivers) const {
+    const F apart_u = absolute(receivers.u - F(value[0][i])) - receivers.l0 - F(value[2][i]);
+    const F apart_v = absolute(receivers.v - F(value[1][i])) - receivers.reach_v - F(value[3][i]);
+    const F apart = max(max(apart_u, apart_v), F(value[4][i]) - receivers.far);
+    return bits_of(apart > F(0)) != all_lanes;
+  }
+};
+
+/// Primitives of a leaf, as many as are looked at together.
+template <class Primitive>
+struct Batch {
+  int count = 0;
+  const Primitive* primitives[batch_size];
+  Sieve<Primitive> sieve;
+
+  void add(const Primitive& primitive) {
+    primitives[count] = &primitive;
+    sieve.fill(count++, primitive);
+  }
+};
+
+/// Calls visit(i) for each i of the sieve's first `count` that may reach the area.
+template <class Primitive, class Visit>
+void visit_reached(const Sieve<Primitive>& sieve, int count, const Area& area, const Visit& visit) {
+  for (int first = 0; first < count; first += native_width) {
+    unsigned reached = ~bits_of(sieve.apart(first, area) > F(0)) & all_lanes;
+    const int left = count - first;
+    if (left < native_width) reached &= (1u << left) - 1u;
+    for (; reached != 0; reached &= reached - 1) visit(first + __builtin_ctz(reached));
+  }
+}
+
+/// Those of `from` that may reach the area.
+template <class Primitive>
+void select_reached(const Batch<Primitive>& from, const Area& area, Batch<Primitive>& to) {
+  to.count = 0;
+  visit_reached(from.sieve, from.count, area, [&](int i) {
+    to.primitives[to.count] = from.primitives[i];
+    for (int field = 0; field < Sieve<Primitive>::fields; ++field) {
+      to.sieve.value[field][to.count] = from.sieve.value[field][i];
+    }
+    ++to.count;
+  });
 }
 
 // ---- shading ----
 
-/// One native vector of a block's lanes.
+/// Part of a block that primitives are drawn onto: native_width receivers.
 struct Footprints {
-  float* block;
-  int lane;
+  F u, v, z, zu, zv, softness, l0, l1, l2;
 
-  F load(int array) const { return F::load(block + array * lanes + lane); }
-  void store(int array, F value) const { value.store(block + array * lanes + lane); }
+  Footprints(const float* block, int lane) {
+    const auto load = [&](int array) { return F::load(block + array * lanes + lane); };
+    u = load(array_u);
+    v = load(array_v);
+    z = load(array_z);
+    zu = load(array_zu);
+    zv = load(array_zv);
+    softness = load(array_softness);
+    l0 = load(array_l0);
+    l1 = load(array_l1);
+    l2 = load(array_l2);
+  }
+
+  /// How much of an occluder counts that lies at `occluder` where the receivers are at `receiver`.
+  F in_front(F receiver, F occluder) const {
+    return clamp_to(fma(receiver - occluder, softness, F(0.5f)), F(0), F(1));
+  }
 };
-
-/// Finishes the piece: what its parts leave. The walls of a tube are one behind the other.
-inline void flush(const Footprints& receivers, bool is_sheet) {
-  const F front = receivers.load(array_front);
-  const F back = receivers.load(array_back);
-  const F covered = min(is_sheet ? front + back : max(front, back), F(1));
-  const F visible = receivers.load(array_visible);
-  receivers.store(array_visible, visible - visible * covered);
-  receivers.store(array_front, F(0));
-  receivers.store(array_back, F(0));
-}
-
-/// How much of an occluder at depth `occluder` counts for receivers at `receiver`.
-inline F in_front(const Footprints& receivers, F receiver, F occluder) {
-  return clamp_to(fma(receiver - occluder, receivers.load(array_softness), F(0.5f)), F(0), F(1));
-}
-
-struct Segment {
-  float u0, v0, z0;
-  float du, dv;  // unit
-  float length;
-  float half0, half_slope;
-  float z_slope;
-};
-
-inline Segment make_segment(const CoveragePrimitive& p) {
-  Segment s;
-  const float u = p.u[1] - p.u[0];
-  const float v = p.v[1] - p.v[0];
-  const float squared = u * u + v * v;
-  s.length = squared > tiny ? __builtin_sqrtf(squared) : 0;
-  const float inverse = s.length > 0 ? 1 / s.length : 0;
-  s.du = s.length > 0 ? u * inverse : 1;
-  s.dv = v * inverse;
-  s.u0 = p.u[0];
-  s.v0 = p.v[0];
-  s.z0 = p.z[0];
-  s.half0 = p.u[2];
-  s.half_slope = (p.v[2] - p.u[2]) * inverse;
-  s.z_slope = (p.z[1] - p.z[0]) * inverse;
-  return s;
-}
 
 /// Overlap of the segment with each footprint's extent along and across it.
-inline void shade_segment(const Footprints& receivers, const Segment& s) {
-  const F u = receivers.load(array_u) - F(s.u0);
-  const F v = receivers.load(array_v) - F(s.v0);
-  const F along = fma(u, F(s.du), v * F(s.dv));
-  const F across = v * F(s.du) - u * F(s.dv);
+inline F covered_by(const Footprints& receivers, const CoverageSegment& s) {
+  const F u = receivers.u - F(s.u);
+  const F v = receivers.v - F(s.v);
+  const F du(s.du);
+  const F dv(s.dv);
+  const F along = fma(u, du, v * dv);
+  const F across = v * du - u * dv;
   const F length(s.length);
   const F nearest = clamp_to(along, F(0), length);
-  const F half = fma(F(s.half_slope), nearest, F(s.half0));
+  const F half = fma(F(s.half_slope), nearest, F(s.half));
   const F offset = nearest - along;
-  const F offset_u = fma(offset, F(s.du), across * F(s.dv));
-  const F offset_v = fma(offset, F(s.dv), F(0) - across * F(s.du));
-  const F depth = fma(receivers.load(array_zu), offset_u,
-                      fma(receivers.load(array_zv), offset_v, receivers.load(array_z)));
-  const F front = in_front(receivers, depth, fma(F(s.z_slope), nearest, F(s.z0)));
-  const F l0 = receivers.load(array_l0);
-  const F l1 = receivers.load(array_l1);
-  const F l2 = receivers.load(array_l2);
-  const F along0 = fma(F(s.du), l0, F(s.dv) * l1);
-  const F along1 = F(s.dv) * l2;
-  const F across0 = F(s.du) * l1 - F(s.dv) * l0;
-  const F across1 = F(s.du) * l2;
+  const F offset_u = fma(offset, du, across * dv);
+  const F offset_v = fma(offset, dv, F(0) - across * du);
+  const F depth = fma(receivers.zu, offset_u, fma(receivers.zv, offset_v, receivers.z));
+  const F front = receivers.in_front(depth, fma(F(s.z_slope), nearest, F(s.z)));
+  const F along0 = fma(du, receivers.l0, dv * receivers.l1);
+  const F along1 = dv * receivers.l2;
+  const F across0 = du * receivers.l1 - dv * receivers.l0;
+  const F across1 = du * receivers.l2;
   const F along_squared = fma(along0, along0, fma(along1, along1, F(tiny)));
   const F across_squared = fma(across0, across0, fma(across1, across1, F(tiny)));
   const F along_inverse = rsqrt(along_squared);
@@ -253,51 +405,14 @@ inline void shade_segment(const Footprints& receivers, const Segment& s) {
       max(min(across + half, across_half) - max(across - half, F(0) - across_half), F(0));
   const F overlap_along =
       max(min(along + along_half, length) - max(along - along_half, F(0)), F(0));
-  const F covered =
-      overlap_across * overlap_along * (along_inverse * across_inverse * F(0.25f)) * front;
-  receivers.store(array_front, receivers.load(array_front) + covered);
+  return overlap_across * overlap_along * (along_inverse * across_inverse * F(0.25f)) * front;
 }
 
-struct Triangle {
-  float piece;
-  float u[3], v[3];
-  float z0, zu, zv;  // plane through the first corner
-  float z_low, z_high;
-  float slack;  ///< in depth
-  float opacity;
+/// What a piece's parts cover, apart by the way they wind.
+struct PieceCover {
+  F front{0};
+  F back{0};
 };
-
-/// False when the triangle has no area in the picture.
-inline bool make_triangle(const CoveragePrimitive& p, Triangle& t) {
-  const float u1 = p.u[1] - p.u[0];
-  const float v1 = p.v[1] - p.v[0];
-  const float u2 = p.u[2] - p.u[0];
-  const float v2 = p.v[2] - p.v[0];
-  const float area = u1 * v2 - u2 * v1;
-  const float scale = u1 * u1 + v1 * v1 + u2 * u2 + v2 * v2;
-  if (!((area < 0 ? -area : area) > 1e-7f * scale)) return false;
-  const float z1 = p.z[1] - p.z[0];
-  const float z2 = p.z[2] - p.z[0];
-  if (p.has_plane) {
-    t.zu = p.plane[0];
-    t.zv = p.plane[1];
-    t.z0 = p.plane[2] + t.zu * p.u[0] + t.zv * p.v[0];
-  } else {
-    t.z0 = p.z[0];
-    t.zu = (z1 * v2 - z2 * v1) / area;
-    t.zv = (z2 * u1 - z1 * u2) / area;
-  }
-  t.slack = p.slack * (1 + most(t.zu, -t.zu) + most(t.zv, -t.zv));
-  t.z_low = least(p.z[0], least(p.z[1], p.z[2]));
-  t.z_high = most(p.z[0], most(p.z[1], p.z[2]));
-  t.opacity = p.opacity;
-  t.piece = piece_tag(p.piece);
-  for (int i = 0; i < 3; ++i) {
-    t.u[i] = p.u[i];
-    t.v[i] = p.v[i];
-  }
-  return true;
-}
 
 /// Integral over y' <= y of the part of [-1, 1] below y'.
 inline F integral_below(F y, F clamped) {
@@ -321,12 +436,29 @@ inline F edge_area(F x0, F y0, F xa, F x1, F y1, F xb) {
   return (xb - xa) * select(flat, level, sloped);
 }
 
+/// Footprints and what triangles need beside.
+struct SurfaceFootprints : Footprints {
+  F m0, m2;   // 1 / l0, 1 / l2
+  F reach_v;  // half the footprint's extent in v; in u it is l0
+  F far;      // the farthest depth that an occluder in front may have
+  const float* own;
+
+  SurfaceFootprints(const float* block, const float* own_arrays, int lane)
+      : Footprints(block, lane), own(own_arrays != nullptr ? own_arrays + lane : nullptr) {
+    m0 = reciprocal(l0);
+    m2 = reciprocal(l2);
+    reach_v = absolute(l1) + l2;
+    far = z + fma(absolute(zu), l0, fma(absolute(zv), reach_v, reciprocal(softness) * F(0.5f)));
+  }
+};
+
 /// The part of each footprint that a triangle of the receiver's own piece covers: all or nothing,
 /// by a point that lies on the piece. A footprint is flat and a piece is not, it would shade
 /// itself.
-inline void shade_own(const Footprints& receivers, const Triangle& t, Mask<native_width> is_own) {
-  const F u = receivers.load(array_own_u);
-  const F v = receivers.load(array_own_v);
+inline void cover_own(const float* own, const CoverageTriangle& t, Mask<native_width> is_own,
+                      PieceCover& cover) {
+  const F u = F::load(own + own_u * lanes);
+  const F v = F::load(own + own_v * lanes);
   F least_turn(0);
   F most_turn(0);
   for (int i = 0; i < 3; ++i) {
@@ -336,28 +468,30 @@ inline void shade_own(const Footprints& receivers, const Triangle& t, Mask<nativ
     least_turn = i == 0 ? turn : min(least_turn, turn);
     most_turn = i == 0 ? turn : max(most_turn, turn);
   }
-  const F plane = fma(F(t.zu), u - F(t.u[0]), fma(F(t.zv), v - F(t.v[0]), F(t.z0)));
-  const F weight = select(plane < receivers.load(array_own_z) - F(t.slack), F(t.opacity), F(0));
-  const F own = select(is_own, weight, F(0));
-  receivers.store(array_front, receivers.load(array_front) + select(least_turn > F(0), own, F(0)));
-  receivers.store(array_back, receivers.load(array_back) + select(most_turn < F(0), own, F(0)));
+  const F plane = fma(F(t.zu), u - F(t.u[0]), fma(F(t.zv), v - F(t.v[0]), F(t.z)));
+  const F weight =
+      select(plane < F::load(own + own_z * lanes) - F(t.slack), F(t.opacity), F(0));
+  const F covered = select(is_own, weight, F(0));
+  cover.front = cover.front + select(least_turn > F(0), covered, F(0));
+  cover.back = cover.back + select(most_turn < F(0), covered, F(0));
 }
 
 /// Exact overlap of the triangle with each footprint's parallelogram.
-inline void shade_triangle(const Footprints& receivers, const Triangle& t) {
-  const auto is_own = absolute(receivers.load(array_piece) - F(t.piece)) < F(0.5f);
-  if (bits_of(is_own) != 0) shade_own(receivers, t, is_own);
-  const F u0 = receivers.load(array_u);
-  const F v0 = receivers.load(array_v);
-  const F m0 = receivers.load(array_m0);
-  const F m2 = receivers.load(array_m2);
-  const F l1 = receivers.load(array_l1);
+inline void cover(const SurfaceFootprints& receivers, const CoverageTriangle& t,
+                  PieceCover& cover) {
+  F part(0.25f * t.opacity);
+  if (receivers.own != nullptr) {
+    const F piece = F::load(receivers.own + own_piece * lanes);
+    const auto is_own = absolute(piece - F(piece_tag(t.piece))) < F(0.5f);
+    if (bits_of(is_own) != 0) cover_own(receivers.own, t, is_own, cover);
+    part = select(is_own, F(0), part);
+  }
   F x[3];
   F y[3];
   F cx[3];
   for (int i = 0; i < 3; ++i) {
-    x[i] = (F(t.u[i]) - u0) * m0;
-    y[i] = (F(t.v[i]) - v0 - l1 * x[i]) * m2;
+    x[i] = (F(t.u[i]) - receivers.u) * receivers.m0;
+    y[i] = (F(t.v[i]) - receivers.v - receivers.l1 * x[i]) * receivers.m2;
     cx[i] = clamp_to(x[i], F(-1), F(1));
   }
   const F area = edge_area(x[0], y[0], cx[0], x[1], y[1], cx[1]) +
@@ -369,222 +503,235 @@ inline void shade_triangle(const Footprints& receivers, const Triangle& t) {
   const F middle_y =
       (clamp_to(y[0], F(-1), F(1)) + clamp_to(y[1], F(-1), F(1)) + clamp_to(y[2], F(-1), F(1))) *
       third;
-  const F offset_u = middle_x * receivers.load(array_l0);
-  const F offset_v = fma(middle_x, l1, middle_y * receivers.load(array_l2));
-  const F depth = fma(receivers.load(array_zu), offset_u,
-                      fma(receivers.load(array_zv), offset_v, receivers.load(array_z)));
-  const F plane =
-      fma(F(t.zu), u0 + offset_u - F(t.u[0]), fma(F(t.zv), v0 + offset_v - F(t.v[0]), F(t.z0)));
-  const F front = in_front(receivers, depth, clamp_to(plane, F(t.z_low), F(t.z_high)));
-  const F weight = select(is_own, F(0), front * F(0.25f * t.opacity));
-  receivers.store(array_front, fma(max(area, F(0)), weight, receivers.load(array_front)));
-  receivers.store(array_back, fma(max(F(0) - area, F(0)), weight, receivers.load(array_back)));
+  const F offset_u = middle_x * receivers.l0;
+  const F offset_v = fma(middle_x, receivers.l1, middle_y * receivers.l2);
+  const F depth = fma(receivers.zu, offset_u, fma(receivers.zv, offset_v, receivers.z));
+  const F plane = fma(F(t.zu), receivers.u + offset_u - F(t.u[0]),
+                      fma(F(t.zv), receivers.v + offset_v - F(t.v[0]), F(t.z)));
+  const F weight = receivers.in_front(depth, clamp_to(plane, F(t.z_low), F(t.z_high))) * part;
+  cover.front = fma(max(area, F(0)), weight, cover.front);
+  cover.back = fma(max(F(0) - area, F(0)), weight, cover.back);
 }
 
-constexpr unsigned all_lanes = (1u << (native_width - 1) << 1) - 1u;
-
-/// Bounds of a primitive, for the test against blocks.
-struct Box {
-  float u_low, u_high, v_low, v_high, z_low;
+/// The piece that a block is being drawn, between batches.
+struct OpenPiece {
+  uint32_t piece = 0;
+  bool is_open = false;
+  bool is_sheet = false;
+  float front[lanes];
+  float back[lanes];
 };
 
-inline Box make_box(const CoveragePrimitive& p) {
-  const int corners = p.opacity > 0 ? 3 : 2;
-  Box box{p.u[0], p.u[0], p.v[0], p.v[0], p.z[0]};
-  for (int i = 1; i < corners; ++i) {
-    box.u_low = least(box.u_low, p.u[i]);
-    box.u_high = most(box.u_high, p.u[i]);
-    box.v_low = least(box.v_low, p.v[i]);
-    box.v_high = most(box.v_high, p.v[i]);
-    box.z_low = least(box.z_low, p.z[i]);
+/// Finishes a piece: what its parts leave. The walls of a tube are one behind the other.
+inline F close_piece(F visible, const PieceCover& cover, bool is_sheet) {
+  const F covered = is_sheet ? cover.front + cover.back : max(cover.front, cover.back);
+  return visible - visible * min(covered, F(1));
+}
+
+inline F load_visible(const float* block, int lane) {
+  return F::load(block + array_visible * lanes + lane);
+}
+
+inline void close(float* block, OpenPiece& open) {
+  if (!open.is_open) return;
+  for (int lane = 0; lane < lanes; lane += native_width) {
+    const PieceCover cover{F::load(&open.front[lane]), F::load(&open.back[lane])};
+    close_piece(load_visible(block, lane), cover, open.is_sheet)
+        .store(block + array_visible * lanes + lane);
   }
-  if (corners == 2) {
-    const float half = most(p.u[2], p.v[2]);
-    box.u_low -= half;
-    box.u_high += half;
-    box.v_low -= half;
-    box.v_high += half;
-  }
-  return box;
-}
-
-/// Whether the box reaches one of the lanes' footprints.
-inline bool reaches(const Footprints& receivers, const Box& box) {
-  const F u = absolute(receivers.load(array_u) - F(0.5f * (box.u_low + box.u_high)));
-  const F v = absolute(receivers.load(array_v) - F(0.5f * (box.v_low + box.v_high)));
-  const F apart_u = u - receivers.load(array_reach_u) - F(0.5f * (box.u_high - box.u_low));
-  const F apart_v = v - receivers.load(array_reach_v) - F(0.5f * (box.v_high - box.v_low));
-  const F apart = max(max(apart_u, apart_v), F(box.z_low) - receivers.load(array_far));
-  return bits_of(apart > F(0)) != all_lanes;
-}
-
-/// Whether the segment reaches one of the lanes' footprints, along, across and in depth.
-inline bool reaches(const Footprints& receivers, const Segment& s, float half, float z_low) {
-  const F u = receivers.load(array_u) - F(s.u0);
-  const F v = receivers.load(array_v) - F(s.v0);
-  const F reach_u = receivers.load(array_reach_u);
-  const F reach_v = receivers.load(array_reach_v);
-  const float du = most(s.du, -s.du);
-  const float dv = most(s.dv, -s.dv);
-  const F across = absolute(v * F(s.du) - u * F(s.dv));
-  const F along = absolute(fma(u, F(s.du), fma(v, F(s.dv), F(-0.5f * s.length))));
-  const F apart_across = across - fma(reach_u, F(dv), fma(reach_v, F(du), F(half)));
-  const F apart_along = along - fma(reach_u, F(du), fma(reach_v, F(dv), F(0.5f * s.length)));
-  const F apart = max(max(apart_across, apart_along), F(z_low) - receivers.load(array_far));
-  return bits_of(apart > F(0)) != all_lanes;
-}
-
-/// Half planes a u + b v <= c that hold the primitive: two for a segment, three for a triangle.
-struct Sides {
-  int count = 0;
-  float a[3], b[3], c[3];
-};
-
-inline Sides make_sides(const Segment& s, float half) {
-  Sides sides;
-  const float middle = s.u0 * -s.dv + s.v0 * s.du;
-  sides.count = 2;
-  sides.a[0] = -s.dv;
-  sides.b[0] = s.du;
-  sides.c[0] = middle + half;
-  sides.a[1] = s.dv;
-  sides.b[1] = -s.du;
-  sides.c[1] = half - middle;
-  return sides;
-}
-
-inline Sides make_sides(const Triangle& t) {
-  Sides sides;
-  sides.count = 3;
-  const float area = (t.u[1] - t.u[0]) * (t.v[2] - t.v[0]) - (t.u[2] - t.u[0]) * (t.v[1] - t.v[0]);
-  const float turn = area > 0 ? 1.0f : -1.0f;
-  for (int i = 0; i < 3; ++i) {
-    const int j = i == 2 ? 0 : i + 1;
-    sides.a[i] = turn * (t.v[j] - t.v[i]);
-    sides.b[i] = -turn * (t.u[j] - t.u[i]);
-    sides.c[i] = sides.a[i] * t.u[i] + sides.b[i] * t.v[i];
-  }
-  return sides;
-}
-
-/// Bits of the blocks from `first` on, native_width of them, that the primitive may reach.
-inline unsigned reached_blocks(const CoverageBounds& bounds, int first, const Box& box,
-                               const Sides& sides) {
-  const F u_low = F::load(bounds.u_low + first);
-  const F u_high = F::load(bounds.u_high + first);
-  const F v_low = F::load(bounds.v_low + first);
-  const F v_high = F::load(bounds.v_high + first);
-  // Positive: apart.
-  F apart = max(max(u_low - F(box.u_high), F(box.u_low) - u_high),
-                max(v_low - F(box.v_high), F(box.v_low) - v_high));
-  apart = max(apart, F(box.z_low) - F::load(bounds.z_high + first));
-  for (int i = 0; i < sides.count; ++i) {
-    const F u = F(sides.a[i]) * (sides.a[i] > 0 ? u_low : u_high);
-    const F v = F(sides.b[i]) * (sides.b[i] > 0 ? v_low : v_high);
-    apart = max(apart, u + v - F(sides.c[i]));
-  }
-  return ~bits_of(apart > F(0)) & all_lanes;
-}
-
-inline void flush_block(float* block, bool is_sheet) {
-  for (int lane = 0; lane < lanes; lane += native_width) flush({block, lane}, is_sheet);
+  open.is_open = false;
 }
 
 inline bool is_dark(const float* block) {
   unsigned bits = 0;
   for (int lane = 0; lane < lanes; lane += native_width) {
-    bits |= bits_of(F::load(block + array_visible * lanes + lane) > F(dark_visibility));
+    bits |= bits_of(load_visible(block, lane) > F(dark_visibility));
   }
   return bits == 0;
 }
 
-/// A block that nothing reaches any more.
-inline void retire(const CoverageBounds& bounds, int block) {
-  bounds.z_high[block] = dark_depth;
-}
-
-/// Whether `reaches` is true of a lane of the block.
-template <class Reaches>
-bool is_any_reached(float* block, const Reaches& reaches_lanes) {
-  for (int lane = 0; lane < lanes; lane += native_width) {
-    if (reaches_lanes(Footprints{block, lane})) return true;
-  }
+inline bool is_sheet_of(const CoverageSegment&) {
   return false;
 }
+inline bool is_sheet_of(const CoverageTriangle& t) {
+  return t.is_sheet != 0;
+}
 
-inline constexpr int max_task_blocks = 64;
+/// A block's visibility and open piece, while primitives are drawn onto some of its lanes.
+template <class Primitive>
+class LaneDrawer {
+ public:
+  LaneDrawer(float* block, const OpenPiece& open, int lane)
+      : block_(block), lane_(lane), piece_(open.piece), is_sheet_(open.is_sheet) {
+    visible_ = load_visible(block, lane);
+    if (!open.is_open) return;
+    cover_ = {F::load(&open.front[lane]), F::load(&open.back[lane])};
+  }
+
+  /// The piece that is drawn to from now on.
+  PieceCover& cover_of(const Primitive& primitive) {
+    if (primitive.piece != piece_) {
+      visible_ = close_piece(visible_, cover_, is_sheet_);
+      cover_ = {};
+      piece_ = primitive.piece;
+      is_sheet_ = is_sheet_of(primitive);
+    }
+    return cover_;
+  }
+
+  void store(OpenPiece& open) const {
+    visible_.store(block_ + array_visible * lanes + lane_);
+    cover_.front.store(&open.front[lane_]);
+    cover_.back.store(&open.back[lane_]);
+  }
+
+ private:
+  float* block_;
+  int lane_;
+  uint32_t piece_;
+  bool is_sheet_;
+  F visible_;
+  PieceCover cover_;
+};
+
+/// Primitives that reach a block, as places in a batch.
+struct Hits {
+  int count = 0;
+  uint16_t index[batch_size];
+};
+
+inline void draw(const Batch<CoverageSegment>& batch, const Hits& hits, float* block, const float*,
+                 OpenPiece& open) {
+  for (int lane = 0; lane < lanes; lane += native_width) {
+    const Footprints receivers(block, lane);
+    LaneDrawer<CoverageSegment> drawer(block, open, lane);
+    for (int i = 0; i < hits.count; ++i) {
+      const CoverageSegment& segment = *batch.primitives[hits.index[i]];
+      PieceCover& cover = drawer.cover_of(segment);
+      cover.front = cover.front + covered_by(receivers, segment);
+    }
+    drawer.store(open);
+  }
+}
+
+inline void draw(const Batch<CoverageTriangle>& batch, const Hits& hits, float* block,
+                 const float* own, OpenPiece& open) {
+  for (int lane = 0; lane < lanes; lane += native_width) {
+    const SurfaceFootprints receivers(block, own, lane);
+    LaneDrawer<CoverageTriangle> drawer(block, open, lane);
+    for (int i = 0; i < hits.count; ++i) {
+      const int at = hits.index[i];
+      const CoverageTriangle& triangle = *batch.primitives[at];
+      PieceCover& piece = drawer.cover_of(triangle);
+      if (batch.sieve.reaches(at, receivers)) cover(receivers, triangle, piece);
+    }
+    drawer.store(open);
+  }
+}
+
+/// The blocks of a leaf, and what is open on each.
+template <class Primitive>
+class LeafDrawer {
+ public:
+  explicit LeafDrawer(CoverageTask& task) : task_(task) {}
+
+  void draw_batch() {
+    for (int first = 0; first < task_.block_count; first += coverage_group_blocks) {
+      int end = first + coverage_group_blocks;
+      if (end > task_.block_count) end = task_.block_count;
+      draw_group(first, end);
+    }
+    batch_.count = 0;
+  }
+
+  void add(const Primitive& primitive) {
+    batch_.add(primitive);
+    if (batch_.count == batch_size) draw_batch();
+  }
+
+  void finish() {
+    if (batch_.count > 0) draw_batch();
+    for (int b = 0; b < task_.block_count; ++b) {
+      close(block_at(b), open_[b]);
+      if (is_dark(block_at(b))) task_.bounds.z_high[b] = dark_depth;
+    }
+  }
+
+ private:
+  float* block_at(int b) { return task_.blocks + static_cast<int64_t>(b) * coverage_block_floats; }
+  const float* own_at(int b) {
+    return task_.own != nullptr ? task_.own + static_cast<int64_t>(b) * own_block_floats : nullptr;
+  }
+
+  void draw_group(int first, int end) {
+    const CoverageBounds& bounds = task_.bounds;
+    float u_low = 0;
+    float u_high = 0;
+    float v_low = 0;
+    float v_high = 0;
+    float z_high = dark_depth;
+    for (int b = first; b < end; ++b) {
+      if (bounds.z_high[b] <= dark_depth) continue;
+      const bool is_first = z_high <= dark_depth;
+      u_low = is_first ? bounds.u_low[b] : least(u_low, bounds.u_low[b]);
+      u_high = is_first ? bounds.u_high[b] : most(u_high, bounds.u_high[b]);
+      v_low = is_first ? bounds.v_low[b] : least(v_low, bounds.v_low[b]);
+      v_high = is_first ? bounds.v_high[b] : most(v_high, bounds.v_high[b]);
+      z_high = is_first ? bounds.z_high[b] : most(z_high, bounds.z_high[b]);
+    }
+    if (z_high <= dark_depth) return;
+    select_reached(batch_, make_area(u_low, u_high, v_low, v_high, z_high), near_);
+    if (near_.count == 0) return;
+    for (int b = first; b < end; ++b) {
+      if (bounds.z_high[b] > dark_depth) draw_block(b);
+    }
+  }
+
+  void draw_block(int b) {
+    const CoverageBounds& bounds = task_.bounds;
+    const Area area = make_area(bounds.u_low[b], bounds.u_high[b], bounds.v_low[b],
+                                bounds.v_high[b], bounds.z_high[b]);
+    Hits hits;
+    visit_reached(near_.sieve, near_.count, area,
+                  [&](int i) { hits.index[hits.count++] = static_cast<uint16_t>(i); });
+    if (hits.count == 0) return;
+    task_.tests += static_cast<uint64_t>(hits.count) * lanes;
+    draw(near_, hits, block_at(b), own_at(b), open_[b]);
+    const Primitive& last = *near_.primitives[hits.index[hits.count - 1]];
+    open_[b].is_open = true;
+    open_[b].piece = last.piece;
+    open_[b].is_sheet = is_sheet_of(last);
+    if (is_dark(block_at(b))) bounds.z_high[b] = dark_depth;
+  }
+
+  CoverageTask& task_;
+  OpenPiece open_[max_task_blocks];
+  Batch<Primitive> batch_;
+  Batch<Primitive> near_;  ///< those that reach a group of blocks
+};
+
 /// Primitives lie anywhere: they are asked for so many before their turn.
 constexpr uint64_t fetch_ahead = 8;
 
-inline void shade(CoverageTask& task) {
-  uint32_t last_piece[max_task_blocks];
-  bool last_is_sheet[max_task_blocks];
-  for (int b = 0; b < task.block_count; ++b) {
-    last_piece[b] = 0xffffffffu;
-    last_is_sheet[b] = false;
-  }
-  for (uint64_t i = 0; i < task.count; ++i) {
-    if (i + fetch_ahead < task.count) {
-      const CoveragePrimitive* next = &task.primitives[task.order[i + fetch_ahead]];
-      __builtin_prefetch(next);
-      __builtin_prefetch(reinterpret_cast<const char*>(next + 1) - 1);
-    }
-    const CoveragePrimitive& primitive = task.primitives[task.order[i]];
-    const bool is_triangle = primitive.opacity > 0;
-    Segment segment{};
-    Triangle triangle{};
-    Sides sides;
-    if (is_triangle) {
-      if (!make_triangle(primitive, triangle)) continue;
-      sides = make_sides(triangle);
-    } else {
-      segment = make_segment(primitive);
-      sides = make_sides(segment, most(primitive.u[2], primitive.v[2]));
-    }
-    const Box box = make_box(primitive);
-    for (int first = 0; first < task.block_count; first += native_width) {
-      unsigned reached = reached_blocks(task.bounds, first, box, sides);
-      const int left = task.block_count - first;
-      if (left < native_width) reached &= (1u << left) - 1u;
-      for (; reached != 0; reached &= reached - 1) {
-        const int b = first + __builtin_ctz(reached);
-        float* block = task.blocks + static_cast<int64_t>(b) * coverage_block_floats;
-        task.tests += lanes;
-        const bool is_reached = is_any_reached(block, [&](const Footprints& receivers) {
-          return is_triangle
-                     ? reaches(receivers, box)
-                     : reaches(receivers, segment, most(primitive.u[2], primitive.v[2]), box.z_low);
-        });
-        if (is_reached) {
-          if (last_piece[b] != primitive.piece) {
-            flush_block(block, last_is_sheet[b]);
-            last_piece[b] = primitive.piece;
-            last_is_sheet[b] = primitive.is_sheet;
-            if (is_dark(block)) {
-              retire(task.bounds, b);
-              continue;
-            }
-          }
-          for (int lane = 0; lane < lanes; lane += native_width) {
-            if (is_triangle) {
-              shade_triangle({block, lane}, triangle);
-            } else {
-              shade_segment({block, lane}, segment);
-            }
-          }
-        }
+template <class Primitive>
+void shade(CoverageTask& task, const CoverageList<Primitive>* lists, int list_count) {
+  LeafDrawer<Primitive> drawer(task);
+  for (int l = 0; l < list_count; ++l) {
+    const CoverageList<Primitive>& list = lists[l];
+    for (uint64_t i = 0; i < list.count; ++i) {
+      if (i + fetch_ahead < list.count) {
+        const Primitive* next = &list.primitives[list.order[i + fetch_ahead]];
+        __builtin_prefetch(next);
+        __builtin_prefetch(reinterpret_cast<const char*>(next + 1) - 1);
       }
+      drawer.add(list.primitives[list.order[i]]);
     }
   }
-  for (int b = 0; b < task.block_count; ++b) {
-    float* block = task.blocks + static_cast<int64_t>(b) * coverage_block_floats;
-    flush_block(block, last_is_sheet[b]);
-    if (is_dark(block)) retire(task.bounds, b);
-  }
+  drawer.finish();
 }
 
 CoverageKernels make_coverage_kernels() {
-  return {project, shade};
+  return {project, project_own, shade<CoverageSegment>, shade<CoverageTriangle>};
 }
 
 }  // namespace relume::RELUME_ISA

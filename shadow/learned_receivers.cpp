@@ -257,9 +257,10 @@ class TileLearner {
     const dvec3 p = (spot.extent.mean - out_.center) * inverse;
     const dvec3 anchor = (spot.anchor - out_.center) * inverse;
     CoverageReceiver& learned = out_.spots.emplace_back();
+    CoverageAnchor& learned_anchor = out_.anchors.emplace_back();
     for (size_t axis = 0; axis < 3; ++axis) {
       learned.position[axis] = static_cast<float>(p[axis]);
-      learned.anchor[axis] = static_cast<float>(anchor[axis]);
+      learned_anchor.position[axis] = static_cast<float>(anchor[axis]);
       learned.normal[axis] = static_cast<int16_t>(std::lround(32767 * spot.anchor_normal[axis]));
       learned.plane[axis] = static_cast<int16_t>(std::lround(32767 * spot.plane_normal[axis]));
     }
@@ -269,7 +270,7 @@ class TileLearner {
     const double size = std::sqrt(covariance[0] + covariance[3] + covariance[5]);
     learned.bias = static_cast<float>(
         (on_surface ? 4 * spot.bias + surface_slack * size : spot.bias) * inverse);
-    learned.anchor_bias = static_cast<float>(4 * spot.bias * inverse);
+    learned_anchor.bias = static_cast<float>(4 * spot.bias * inverse);
     learned.margin = on_surface ? surface_margin : 0.0f;
     learned.piece = spot.piece != no_piece ? piece_tag(spot.piece) : -1.0f;
     learned.lit_from_behind = spot.lit_from_behind ? 1 : 0;
@@ -318,10 +319,12 @@ void join(const std::vector<LearnedReceivers>& tiles, LearnedReceivers& learned)
   learned.tile_first_link.push_back(links);
   CHECK_MSG(spots < uint64_t{1} << 32, "{} spots", spots);
   learned.spots.resize(spots);
+  learned.anchors.resize(spots);
   learned.links.resize(links);
   parallel_for(tiles.size(), 16, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
       std::copy(tiles[t].spots.begin(), tiles[t].spots.end(), &learned.spots[first_spot[t]]);
+      std::copy(tiles[t].anchors.begin(), tiles[t].anchors.end(), &learned.anchors[first_spot[t]]);
       ReceiverLink* out = &learned.links[learned.tile_first_link[t]];
       for (ReceiverLink link : tiles[t].links) {
         link.spot += static_cast<uint32_t>(first_spot[t]);

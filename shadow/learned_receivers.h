@@ -21,6 +21,7 @@ struct LearnedReceivers {
   dvec3 center{0};  ///< spots are (world - center) / scale, within the unit sphere
   double scale = 1;
   std::vector<CoverageReceiver> spots;
+  std::vector<CoverageAnchor> anchors;  ///< one a spot
   std::vector<ReceiverLink> links;      ///< those of a receiver follow each other
   std::vector<size_t> tile_first_link;  ///< links of each tile of the cache start here; and the end
 

@@ -210,39 +210,47 @@ class ChunkProjector {
     const float inverse_w = 1 / middle.w;
     const float u = middle.x * inverse_w;
     const float v = middle.y * inverse_w;
-    CoveragePrimitive primitive{};
-    set_corner(primitive, 0, p);
-    set_corner(primitive, 1, q);
-    const float du = primitive.u[1] - primitive.u[0];
-    const float dv = primitive.v[1] - primitive.v[0];
+    CoverageSegment segment{};
+    const vec3 start = picture_of(p);
+    const vec3 end = picture_of(q);
+    const float du = end.x - start.x;
+    const float dv = end.y - start.y;
     const float run = std::sqrt(du * du + dv * dv);
     // Seen end on it has no width to speak of.
     if (!(length > 0) || !(run > 0)) return;
     const float eu = (across.x - u * shape_.k * across.z) / length;
     const float ev = (across.y - v * shape_.k * across.z) / length;
-    const float scale = std::abs(eu * dv - ev * du) / run * shape_.radius_scale;
-    primitive.u[2] = radius_a * scale / p.w;
-    primitive.v[2] = radius_b * scale / q.w;
-    primitive.opacity = 0;
-    primitive.piece = piece;
-    const float half = std::max(primitive.u[2], primitive.v[2]);
-    Box box{std::min(primitive.u[0], primitive.u[1]) - half,
-            std::max(primitive.u[0], primitive.u[1]) + half,
-            std::min(primitive.v[0], primitive.v[1]) - half,
-            std::max(primitive.v[0], primitive.v[1]) + half,
-            std::min(primitive.z[0], primitive.z[1])};
-    append(primitive, box);
+    const float inverse = 1 / run;
+    const float scale = std::abs(eu * dv - ev * du) * inverse * shape_.radius_scale;
+    const float half_end = radius_b * scale / q.w;
+    segment.u = start.x;
+    segment.v = start.y;
+    segment.z = start.z;
+    segment.du = du * inverse;
+    segment.dv = dv * inverse;
+    segment.length = run;
+    segment.half = radius_a * scale / p.w;
+    segment.half_slope = (half_end - segment.half) * inverse;
+    segment.z_slope = (end.z - start.z) * inverse;
+    segment.z_low = std::min(start.z, end.z);
+    segment.half_high = std::max(segment.half, half_end);
+    segment.piece = piece;
+    const float half = segment.half_high;
+    append(segment,
+           {std::min(start.x, end.x) - half, std::max(start.x, end.x) + half,
+            std::min(start.y, end.y) - half, std::max(start.y, end.y) + half, segment.z_low},
+           out_.segments);
   }
 
   void add_triangle(uint32_t a, uint32_t b, uint32_t c, float opacity, uint32_t piece,
                     bool is_sheet, float slack) {
-    CoveragePrimitive primitive{};
+    CoverageTriangle primitive{};
     primitive.opacity = opacity;
     primitive.piece = piece;
-    primitive.is_sheet = is_sheet;
-    primitive.slack = slack;
+    primitive.is_sheet = is_sheet ? 1 : 0;
+    const Plane unknown;
     if (is_whole_) {
-      append_triangle(primitive, scratch_.projected[a], scratch_.projected[b],
+      append_triangle(primitive, slack, unknown, scratch_.projected[a], scratch_.projected[b],
                       scratch_.projected[c]);
       return;
     }
@@ -251,17 +259,15 @@ class ChunkProjector {
                                 outside_planes(corners[2])};
     if ((beyond[0] & beyond[1] & beyond[2]) != 0) return;
     if ((beyond[0] | beyond[1] | beyond[2]) == 0) {
-      append_triangle(primitive, scratch_.projected[a], scratch_.projected[b],
+      append_triangle(primitive, slack, unknown, scratch_.projected[a], scratch_.projected[b],
                       scratch_.projected[c]);
       return;
     }
     const Plane plane = find_plane(corners);
-    primitive.has_plane = plane.is_known;
-    std::copy_n(plane.slope, 3, primitive.plane);
     const int count = cut_polygon(corners, 3);
-    const auto project = [](vec4 p) { return vec3(p) / p.w; };
     for (int i = 2; i < count; ++i) {
-      append_triangle(primitive, project(corners[0]), project(corners[i - 1]), project(corners[i]));
+      append_triangle(primitive, slack, plane, picture_of(corners[0]), picture_of(corners[i - 1]),
+                      picture_of(corners[i]));
     }
   }
 
@@ -299,23 +305,32 @@ class ChunkProjector {
     box.z_low = std::min(box.z_low, z);
   }
 
-  static void set_corner(CoveragePrimitive& primitive, int i, vec4 p) {
-    const float inverse = 1 / p.w;
-    primitive.u[i] = p.x * inverse;
-    primitive.v[i] = p.y * inverse;
-    primitive.z[i] = p.z * inverse;
-  }
+  /// u, v and z.
+  static vec3 picture_of(vec4 p) { return vec3(p) / p.w; }
 
-  void append_triangle(CoveragePrimitive& primitive, vec3 p, vec3 q, vec3 r) {
-    const vec3 low = glm::min(p, glm::min(q, r));
-    const vec3 high = glm::max(p, glm::max(q, r));
+  /// Nothing when the triangle has no area in the picture. `plane`: of its depths, if the corners
+  /// do not tell.
+  void append_triangle(CoverageTriangle& t, float slack, const Plane& plane, vec3 p, vec3 q,
+                       vec3 r) {
+    const vec3 a = q - p;
+    const vec3 b = r - p;
+    const float area = a.x * b.y - b.x * a.y;
+    const float squares = a.x * a.x + a.y * a.y + b.x * b.x + b.y * b.y;
+    if (!(std::abs(area) > 1e-7f * squares)) return;
     const vec3 corners[3] = {p, q, r};
     for (int i = 0; i < 3; ++i) {
-      primitive.u[i] = corners[i].x;
-      primitive.v[i] = corners[i].y;
-      primitive.z[i] = corners[i].z;
+      t.u[i] = corners[i].x;
+      t.v[i] = corners[i].y;
     }
-    append(primitive, {low.x, high.x, low.y, high.y, low.z});
+    t.zu = plane.is_known ? plane.slope[0] : (a.z * b.y - b.z * a.y) / area;
+    t.zv = plane.is_known ? plane.slope[1] : (b.z * a.x - a.z * b.x) / area;
+    t.z = plane.is_known ? plane.slope[2] + t.zu * p.x + t.zv * p.y : p.z;
+    t.slack = slack * (1 + std::abs(t.zu) + std::abs(t.zv));
+    const vec3 low = glm::min(p, glm::min(q, r));
+    const vec3 high = glm::max(p, glm::max(q, r));
+    t.z_low = low.z;
+    t.z_high = high.z;
+    append(t, {low.x, high.x, low.y, high.y, low.z}, out_.triangles);
   }
 
   /// Distance from the inner side of plane `plane` of 5, > 0 inside.
@@ -394,14 +409,15 @@ class ChunkProjector {
     return count;
   }
 
-  void append(const CoveragePrimitive& primitive, const Box& box) {
-    const auto number = static_cast<uint32_t>(out_.primitives.size());
+  template <class Primitive>
+  void append(const Primitive& primitive, const Box& box, ProjectedPrimitives<Primitive>& out) {
+    const auto number = static_cast<uint32_t>(out.primitives.size());
     bool reached = false;
     for_each_leaf(tree_, start_, box, scratch_.stack, [&](const ReceiverNode& node) {
-      out_.reaches.push_back({node.leaf, number});
+      out.reaches.push_back({node.leaf, number});
       reached = true;
     });
-    if (reached) out_.primitives.push_back(primitive);
+    if (reached) out.primitives.push_back(primitive);
   }
 
   const ReceiverTree& tree_;

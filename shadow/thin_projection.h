@@ -22,13 +22,18 @@ std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
                                                  const ReceiverTree& tree);
 
 /// Primitives in the light's picture and the leaves of the tree that each may shade.
-struct ProjectedGeometry {
+template <class Primitive>
+struct ProjectedPrimitives {
   struct Reach {
     uint32_t leaf;
     uint32_t primitive;
   };
-  std::vector<CoveragePrimitive> primitives;
+  std::vector<Primitive> primitives;
   std::vector<Reach> reaches;
+};
+struct ProjectedGeometry {
+  ProjectedPrimitives<CoverageSegment> segments;
+  ProjectedPrimitives<CoverageTriangle> triangles;
 };
 
 /// What projecting needs of memory; one a thread.
