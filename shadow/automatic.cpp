@@ -14,13 +14,13 @@ void AutomaticVisibility::set_goal(ShadowLevel level, double budget_ms) {
   budget_ms_ = budget_ms;
 }
 
-void AutomaticVisibility::prepare(const Light& light) {
+void AutomaticVisibility::prepare_share(const Light& light, PixelShare share) {
   choice_ = chooser_.choose(level_, budget_ms_);
   std::unique_ptr<VisibilitySource>& source = made_[choice_.method];
   if (source == nullptr) source = make_(choice_.method);
   current_ = source.get();
   started_ms_ = now_ms_();
-  current_->prepare(light);
+  current_->prepare_share(light, share);
 }
 
 void AutomaticVisibility::end_move() {

@@ -25,7 +25,8 @@ class AutomaticVisibility final : public VisibilitySource {
   /// `budget_ms` > 0: of a move, prepare() and look-ups.
   void set_goal(ShadowLevel level, double budget_ms);
 
-  void prepare(const Light& light) override;
+  void prepare(const Light& light) override { prepare_share(light, PixelShare::all); }
+  void prepare_share(const Light& light, PixelShare share) override;
   /// The last move's look-ups are done: its time is noted. Without it a move counts for nothing.
   void end_move();
 

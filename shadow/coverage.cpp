@@ -76,17 +76,17 @@ CoverageVisibility::CoverageVisibility(const Tracer& tracer, const RelightCache&
   solids_.emplace(geometry_.solids);
 }
 
-void CoverageVisibility::prepare(const Light& light) {
+void CoverageVisibility::prepare_share(const Light& light, PixelShare share) {
   stats_ = CoverageStats();
   const Timer timer;
   const LightViews lights = make_light_views(light, receivers_.center, receivers_.scale);
-  build_receiver_tree(receivers_, lights, kernels_, tree_, states_, scratch_);
+  build_receiver_tree(receivers_, lights, share, kernels_, tree_, states_, scratch_);
   stats_.build_ms = timer.ms();
   stats_.receivers = tree_.items.size();
   rasterise(lights);
   const Timer trace_timer;
-  collect();
-  trace(light);
+  collect(share);
+  trace(light, share);
   stats_.trace_ms = trace_timer.ms();
 }
 
@@ -150,8 +150,7 @@ void CoverageVisibility::shade_leaves() {
       const ReceiverLeaf& leaf = tree_.leaves[l];
       CoverageTask task{};
       task.blocks = &tree_.blocks[size_t{leaf.first_block} * coverage_block_floats];
-      task.own =
-          leaf.has_own ? &tree_.own[size_t{leaf.first_own} * own_block_floats] : nullptr;
+      task.own = leaf.has_own ? &tree_.own[size_t{leaf.first_own} * own_block_floats] : nullptr;
       task.bounds = tree_.bounds_of(leaf.first_block);
       task.block_count = static_cast<int>(leaf.block_count);
       std::array<CoverageList<CoverageSegment>, group_count> segment_lists;
@@ -172,7 +171,7 @@ void CoverageVisibility::shade_leaves() {
   stats_.tests += tests;
 }
 
-void CoverageVisibility::collect() {
+void CoverageVisibility::collect(PixelShare share) {
   seen_.resize(receivers_.count());
   parallel_for(tree_.leaves.size(), 64, [&](size_t begin, size_t end) {
     for (size_t l = begin; l < end; ++l) {
@@ -186,47 +185,50 @@ void CoverageVisibility::collect() {
     }
   });
   parallel_for(view_.tile_count(), 16, [&](size_t begin, size_t end) {
-    const std::vector<ReceiverLink>& links = receivers_.links;
-    const size_t last = receivers_.tile_first_link[end];
-    for (size_t i = receivers_.tile_first_link[begin]; i < last;) {
-      const uint32_t receiver = links[i].receiver;
-      float sum = 0;
-      bool is_near = false;
-      for (; i < last && links[i].receiver == receiver; ++i) {
-        const ReceiverState state = states_[links[i].spot];
-        is_near |= state == ReceiverState::near;
-        if (state == ReceiverState::hidden) continue;
-        sum += links[i].share * (state == ReceiverState::covered ? seen_[links[i].spot] : 1.0f);
-      }
-      visibility_[receiver] = is_near ? undecided : std::min(sum, 1.0f);
+    for (size_t tile = begin; tile < end; ++tile) {
+      const LearnedReceivers::Range& range = receivers_.tile_links[tile];
+      const std::span<const ReceiverLink> links(receivers_.links);
+      collect_receivers(links.subspan(range.first, range.end(share) - range.first));
     }
   });
 }
 
-void CoverageVisibility::trace(const Light& light) {
+void CoverageVisibility::collect_receivers(std::span<const ReceiverLink> links) {
+  for (size_t i = 0; i < links.size();) {
+    const uint32_t receiver = links[i].receiver;
+    float sum = 0;
+    bool is_near = false;
+    for (; i < links.size() && links[i].receiver == receiver; ++i) {
+      const ReceiverState state = states_[links[i].spot];
+      is_near |= state == ReceiverState::near;
+      if (state == ReceiverState::hidden) continue;
+      sum += links[i].share * (state == ReceiverState::covered ? seen_[links[i].spot] : 1.0f);
+    }
+    visibility_[receiver] = is_near ? undecided : std::min(sum, 1.0f);
+  }
+}
+
+void CoverageVisibility::trace(const Light& light, PixelShare share) {
   all_rays_.aim(light);
   std::optional<ShadowRays> solid_rays;
   if (solids_) solid_rays.emplace(*solids_).aim(light);
-  const bool has_near =
-      std::find(states_.begin(), states_.end(), ReceiverState::near) != states_.end();
-  if (!solid_rays && !has_near) return;
-  parallel_for(view_.tile_count(), 1, [&](size_t begin, size_t end) {
-    for (size_t tile = begin; tile < end; ++tile) {
-      view_.visit_tile(tile, [&](const ReceiverGroup& group) {
-        const Member* members = group.members.data();
-        for (int lane = 0; lane < group.receivers.count; ++lane) {
-          float& visible = visibility_[group.receivers.first + lane];
-          if (group.receivers.weight[lane] > 0 && visible != 0) {
-            if (visible == undecided) {
-              visible = trace_members(all_rays_, group, lane, members, max_members);
-            } else if (solid_rays) {
-              visible *= trace_members(*solid_rays, group, lane, members, 1);
-            }
-          }
-          members += group.footprints[lane].stored_members;
+  if (!solid_rays && !tree_.has_near) return;
+  const auto trace_group = [&](const ReceiverGroup& group) {
+    const Member* members = group.members.data();
+    for (int lane = 0; lane < group.receivers.count; ++lane) {
+      float& visible = visibility_[group.receivers.first + static_cast<size_t>(lane)];
+      if (group.receivers.weight[lane] > 0 && visible != 0) {
+        if (visible == undecided) {
+          visible = trace_members(all_rays_, group, lane, members, max_members);
+        } else if (solid_rays) {
+          visible *= trace_members(*solid_rays, group, lane, members, 1);
         }
-      });
+      }
+      members += group.footprints[static_cast<size_t>(lane)].stored_members;
     }
+  };
+  parallel_for(view_.tile_count(), 1, [&](size_t begin, size_t end) {
+    for (size_t tile = begin; tile < end; ++tile) view_.visit_tile(tile, trace_group, share);
   });
 }
 

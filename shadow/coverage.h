@@ -30,7 +30,8 @@ class CoverageVisibility final : public VisibilitySource {
                      InstructionSet set = InstructionSet::automatic);
 
   /// Computes all visibilities, in parallel; bit-equal for any thread count.
-  void prepare(const Light& light) override;
+  void prepare(const Light& light) override { prepare_share(light, PixelShare::all); }
+  void prepare_share(const Light& light, PixelShare share) override;
   void visibility(const Receivers& receivers, float* visibility) const override;
   std::span<const float> all_visibility() const override { return visibility_; }
 
@@ -42,8 +43,9 @@ class CoverageVisibility final : public VisibilitySource {
   void rasterise(const LightViews& lights);
   void rasterise_part(const LightViews& lights, std::span<const ProjectionWork> work);
   void shade_leaves();
-  void collect();
-  void trace(const Light& light);
+  void collect(PixelShare share);
+  void collect_receivers(std::span<const ReceiverLink> links);
+  void trace(const Light& light, PixelShare share);
 
   ViewReceivers view_;
   ThinGeometry geometry_;
@@ -53,7 +55,7 @@ class CoverageVisibility final : public VisibilitySource {
   LearnedReceivers receivers_;
   ReceiverTree tree_;
   std::vector<ReceiverState> states_;
-  std::vector<KeyedIndex> scratch_;
+  ReceiverTreeScratch scratch_;
   std::vector<ProjectedGeometry> groups_;
   std::vector<float> seen_;  ///< per spot
   std::vector<float> visibility_;

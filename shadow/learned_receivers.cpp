@@ -122,6 +122,7 @@ class TileLearner {
 
   void add(const ReceiverGroup& group) {
     if (group.slot == 0) finish();
+    share_ = group.share;
     const Member* members = group.members.data();
     for (int lane = 0; lane < group.receivers.count; ++lane) {
       if (group.receivers.weight[lane] > 0) add(group, lane, members);
@@ -141,6 +142,15 @@ class TileLearner {
       out_.links.push_back({link.receiver, first[link.lane] + link.spot, link.share});
     }
     links_.clear();
+    out_.tile_spots.resize(1);
+    out_.tile_links.resize(1);
+    LearnedReceivers::Range& spots = out_.tile_spots.front();
+    LearnedReceivers::Range& links = out_.tile_links.front();
+    spots.all_end = out_.spots.size();
+    links.all_end = out_.links.size();
+    if (share_ == PixelShare::all) return;
+    spots.quarter_end = spots.all_end;
+    links.quarter_end = links.all_end;
   }
 
  private:
@@ -282,7 +292,8 @@ class TileLearner {
   LearnedReceivers& out_;
   std::array<std::vector<Spot>, block_lanes> pixels_;
   std::vector<Link> links_;
-  size_t first_link_ = 0;  ///< of the receiver that is being added
+  size_t first_link_ = 0;                   ///< of the receiver that is being added
+  PixelShare share_ = PixelShare::quarter;  ///< the first that holds the pixels that are learned
 };
 
 /// Bounds of the receivers' means, tile by tile and all together.
@@ -305,30 +316,33 @@ Bounds find_bounds(const ViewReceivers& view) {
   return all;
 }
 
+LearnedReceivers::Range moved(const LearnedReceivers::Range& range, size_t by) {
+  return {range.first + by, range.quarter_end + by, range.all_end + by};
+}
+
 /// Moves the tiles' parts to one.
 void join(const std::vector<LearnedReceivers>& tiles, LearnedReceivers& learned) {
-  std::vector<size_t> first_spot;
   size_t spots = 0;
   size_t links = 0;
   for (const LearnedReceivers& tile : tiles) {
-    first_spot.push_back(spots);
-    learned.tile_first_link.push_back(links);
+    learned.tile_spots.push_back(moved(tile.tile_spots.front(), spots));
+    learned.tile_links.push_back(moved(tile.tile_links.front(), links));
     spots += tile.spots.size();
     links += tile.links.size();
   }
-  learned.tile_first_link.push_back(links);
   CHECK_MSG(spots < uint64_t{1} << 32, "{} spots", spots);
   learned.spots.resize(spots);
   learned.anchors.resize(spots);
   learned.links.resize(links);
   parallel_for(tiles.size(), 16, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
-      std::copy(tiles[t].spots.begin(), tiles[t].spots.end(), &learned.spots[first_spot[t]]);
-      std::copy(tiles[t].anchors.begin(), tiles[t].anchors.end(), &learned.anchors[first_spot[t]]);
-      ReceiverLink* out = &learned.links[learned.tile_first_link[t]];
+      const size_t first = learned.tile_spots[t].first;
+      std::ranges::copy(tiles[t].spots, learned.spots.begin() + static_cast<ptrdiff_t>(first));
+      std::ranges::copy(tiles[t].anchors, learned.anchors.begin() + static_cast<ptrdiff_t>(first));
+      size_t out = learned.tile_links[t].first;
       for (ReceiverLink link : tiles[t].links) {
-        link.spot += static_cast<uint32_t>(first_spot[t]);
-        *out++ = link;
+        link.spot += static_cast<uint32_t>(first);
+        learned.links[out++] = link;
       }
     }
   });

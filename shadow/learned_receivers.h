@@ -23,7 +23,17 @@ struct LearnedReceivers {
   std::vector<CoverageReceiver> spots;
   std::vector<CoverageAnchor> anchors;  ///< one a spot
   std::vector<ReceiverLink> links;      ///< those of a receiver follow each other
-  std::vector<size_t> tile_first_link;  ///< links of each tile of the cache start here; and the end
+
+  /// What belongs to a tile of the cache: first that of a quarter of its pixels, see PixelShare.
+  struct Range {
+    size_t first = 0;
+    size_t quarter_end = 0;
+    size_t all_end = 0;
+
+    size_t end(PixelShare share) const { return share == PixelShare::all ? all_end : quarter_end; }
+  };
+  std::vector<Range> tile_spots;
+  std::vector<Range> tile_links;
 
   size_t count() const { return spots.size(); }
 };

@@ -47,14 +47,13 @@ MemberVisibility::MemberVisibility(const Tracer& tracer, const RelightCache& cac
   }
 }
 
-void MemberVisibility::prepare(const Light& light) {
+void MemberVisibility::prepare_share(const Light& light, PixelShare share) {
   rays_.aim(light);
-  parallel_for(view_.tile_count(), 1, [this](size_t begin, size_t end) {
-    for (size_t tile = begin; tile < end; ++tile) {
-      view_.visit_tile(tile, [this](const ReceiverGroup& group) {
-        trace_group(group, &visibility_[group.receivers.first]);
-      });
-    }
+  parallel_for(view_.tile_count(), 1, [this, share](size_t begin, size_t end) {
+    const auto visit = [this](const ReceiverGroup& group) {
+      trace_group(group, &visibility_[group.receivers.first]);
+    };
+    for (size_t tile = begin; tile < end; ++tile) view_.visit_tile(tile, visit, share);
   });
 }
 

@@ -23,7 +23,8 @@ class MemberVisibility final : public VisibilitySource {
   MemberVisibility(const Tracer& tracer, const RelightCache& cache, int rays);
 
   /// Traces all rays, in parallel.
-  void prepare(const Light& light) override;
+  void prepare(const Light& light) override { prepare_share(light, PixelShare::all); }
+  void prepare_share(const Light& light, PixelShare share) override;
   void visibility(const Receivers& receivers, float* visibility) const override;
   std::span<const float> all_visibility() const override { return visibility_; }
 

@@ -7,7 +7,6 @@
 namespace relume {
 namespace {
 
-constexpr size_t chunk_size = 8192;
 constexpr uint32_t leaf_receivers = max_task_blocks * coverage_lanes;
 constexpr uint32_t most_leaf_receivers = leaf_receivers;
 constexpr int morton_bits = 26;
@@ -17,14 +16,11 @@ constexpr int size_bits = 2;
 constexpr int key_bits = morton_bits + size_bits;
 constexpr int lower_bits = 16;
 
-/// A receiver in its view.
-struct Placed {
-  float u, v, size;
-  uint8_t view;
-};
+using Placed = ReceiverTreeScratch::Placed;
 
-/// What a chunk of receivers adds up to.
-struct ChunkSums {
+/// What a tile's receivers add up to.
+struct TileSums {
+  bool has_near = false;
   size_t covered = 0;
   std::array<ReceiverTree::View, max_light_views> views;
   std::array<double, max_light_views> size{};
@@ -43,49 +39,51 @@ void extend(ReceiverTree::View& view, float u, float v, float w) {
   view.w_low = std::min(view.w_low, w);
 }
 
-float footprint_size(const CoverageReceiver& receiver) {
+float squared_footprint_size(const CoverageReceiver& receiver) {
   const float* c = receiver.covariance;
-  return std::sqrt(3 * (c[0] + c[3] + c[5]));
+  return 3 * (c[0] + c[3] + c[5]);
 }
 
-/// Cosine, times 32767, between a stored normal and a direction.
-double cosine_to(const int16_t (&normal)[3], dvec3 direction) {
-  return normal[0] * direction.x + normal[1] * direction.y + normal[2] * direction.z;
+bool faces(const int16_t (&normal)[3], dvec3 direction) {
+  return normal[0] * direction.x + normal[1] * direction.y + normal[2] * direction.z > 0;
 }
 
 ReceiverState find_state(const LearnedReceivers& receivers, const LightViews& lights, size_t i) {
   const CoverageReceiver& receiver = receivers.spots[i];
   const dvec3 p(receiver.position[0], receiver.position[1], receiver.position[2]);
-  dvec3 wi = lights.to_light;
-  double distance = std::numeric_limits<double>::infinity();
+  dvec3 to_light = lights.to_light;
+  double squared_distance = std::numeric_limits<double>::infinity();
   if (!lights.is_parallel) {
-    const dvec3 offset = lights.position - p;
-    distance = glm::length(offset);
-    if (!(distance > 0)) return ReceiverState::near;
-    wi = offset / distance;
-    if (glm::dot(wi, lights.to_light) < lights.cos_outer) return ReceiverState::unlit;
+    to_light = lights.position - p;
+    squared_distance = glm::dot(to_light, to_light);
+    if (!(squared_distance > 0)) return ReceiverState::near;
+    if (lights.cos_outer > -1 &&
+        glm::dot(to_light, lights.to_light) < lights.cos_outer * std::sqrt(squared_distance)) {
+      return ReceiverState::unlit;
+    }
   }
-  const double facing = cosine_to(receiver.normal, wi);
-  const double plane = cosine_to(receiver.plane, wi);
-  if (receiver.lit_from_behind == 0 && receiver.margin > 0 && facing <= 0) {
-    return ReceiverState::unlit;
+  if (receiver.margin > 0) {  // strands have no normals
+    const bool is_facing = faces(receiver.normal, to_light);
+    if (receiver.lit_from_behind == 0 && !is_facing) return ReceiverState::unlit;
+    // Its own surface hides it, as it does from a ray that starts on the side of `normal`.
+    if (is_facing != faces(receiver.plane, to_light)) return ReceiverState::hidden;
   }
-  // Its own surface hides it, as it does from a ray that starts on the side of `normal`.
-  if ((facing > 0) != (plane > 0)) return ReceiverState::hidden;
-  const bool is_near = static_cast<double>(footprint_size(receiver)) >
-                       static_cast<double>(near_footprint) * distance;
+  constexpr double near = static_cast<double>(near_footprint);
+  const bool is_near =
+      static_cast<double>(squared_footprint_size(receiver)) > near * near * squared_distance;
   return is_near ? ReceiverState::near : ReceiverState::covered;
 }
 
 Placed place(const LearnedReceivers& receivers, const LightViews& lights, size_t i,
-             ChunkSums& sums) {
+             TileSums& sums) {
   const CoverageReceiver& receiver = receivers.spots[i];
   const vec3 p(receiver.position[0], receiver.position[1], receiver.position[2]);
   const size_t view = lights.view_of(p);
   const ViewPoint at = view_point(lights.views[view], p);
   const float inverse = 1 / std::max(at.w, 1e-9f);
-  const Placed placed{at.x * inverse, at.y * inverse, footprint_size(receiver) * inverse,
-                      static_cast<uint8_t>(view)};
+  const Placed placed{at.x * inverse, at.y * inverse,
+                      std::sqrt(squared_footprint_size(receiver)) * inverse,
+                      static_cast<uint32_t>(view)};
   extend(sums.views[view], placed.u, placed.v, at.w);
   sums.size[view] += static_cast<double>(placed.size);
   ++sums.count[view];
@@ -116,7 +114,7 @@ uint32_t make_key(const Placed& placed, const ReceiverTree::View& view, double m
                               : size < 9 * mean_size ? 2
                                                      : 3;
   const uint32_t lower = code & ((1u << lower_bits) - 1);
-  const uint32_t upper = uint32_t{placed.view} << (morton_bits - lower_bits) | code >> lower_bits;
+  const uint32_t upper = placed.view << (morton_bits - lower_bits) | code >> lower_bits;
   return (upper << size_bits | size_class) << lower_bits | lower;
 }
 
@@ -229,7 +227,11 @@ void project_own(const LearnedReceivers& receivers, const LightViews& lights,
     const auto count =
         static_cast<int>(std::min<uint32_t>(coverage_lanes, leaf.item_count - first));
     for (int lane = 0; lane < count; ++lane) {
-      index[lane] = tree.items[leaf.first_item + first + static_cast<uint32_t>(lane)].index;
+      const uint32_t item = first + static_cast<uint32_t>(lane);
+      const uint32_t next = std::min(item + fetch_ahead, leaf.item_count - 1);
+      index[lane] = tree.items[leaf.first_item + item].index;
+      __builtin_prefetch(&receivers.anchors[tree.items[leaf.first_item + next].index]);
+      __builtin_prefetch(&receivers.spots[tree.items[leaf.first_item + next].index]);
     }
     kernels.project_own(receivers.spots.data(), receivers.anchors.data(), lights.views[view], index,
                         count, &tree.own[(size_t{leaf.first_own} + b) * own_block_floats]);
@@ -239,54 +241,59 @@ void project_own(const LearnedReceivers& receivers, const LightViews& lights,
 }  // namespace
 
 void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& lights,
-                         const CoverageKernels& kernels, ReceiverTree& tree,
-                         std::vector<ReceiverState>& states, std::vector<KeyedIndex>& scratch) {
+                         PixelShare share, const CoverageKernels& kernels, ReceiverTree& tree,
+                         std::vector<ReceiverState>& states, ReceiverTreeScratch& scratch) {
   const size_t count = receivers.count();
-  const size_t chunks = (count + chunk_size - 1) / chunk_size;
+  const size_t tiles = receivers.tile_spots.size();
   states.resize(count);
-  std::vector<Placed> placed(count);
-  std::vector<ChunkSums> sums(chunks);
-  parallel_for(chunks, 1, [&](size_t begin, size_t end) {
-    for (size_t c = begin; c < end; ++c) {
-      for (size_t i = c * chunk_size; i < std::min(count, (c + 1) * chunk_size); ++i) {
+  std::vector<Placed>& placed = scratch.placed;
+  placed.resize(count);
+  std::vector<TileSums> sums(tiles);
+  parallel_for(tiles, 4, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      const LearnedReceivers::Range& range = receivers.tile_spots[t];
+      for (size_t i = range.first; i < range.end(share); ++i) {
         states[i] = find_state(receivers, lights, i);
-        if (states[i] == ReceiverState::covered) placed[i] = place(receivers, lights, i, sums[c]);
+        if (states[i] == ReceiverState::covered) placed[i] = place(receivers, lights, i, sums[t]);
+        sums[t].has_near |= states[i] == ReceiverState::near;
       }
     }
   });
+  tree.has_near = std::ranges::any_of(sums, &TileSums::has_near);
   tree.views = {};
   std::array<double, max_light_views> mean_size{};
   std::array<size_t, max_light_views> view_count{};
-  std::vector<size_t> first(chunks);
+  std::vector<size_t> first(tiles);
   size_t covered = 0;
-  for (size_t c = 0; c < chunks; ++c) {
-    first[c] = covered;
-    covered += sums[c].covered;
+  for (size_t t = 0; t < tiles; ++t) {
+    first[t] = covered;
+    covered += sums[t].covered;
     for (size_t v = 0; v < max_light_views; ++v) {
-      const ReceiverTree::View& view = sums[c].views[v];
+      const ReceiverTree::View& view = sums[t].views[v];
       if (!view.is_used) continue;
       extend(tree.views[v], view.u_low, view.v_low, view.w_low);
       extend(tree.views[v], view.u_high, view.v_high, view.w_low);
-      mean_size[v] += sums[c].size[v];
-      view_count[v] += sums[c].count[v];
+      mean_size[v] += sums[t].size[v];
+      view_count[v] += sums[t].count[v];
     }
   }
   for (size_t v = 0; v < max_light_views; ++v) {
     mean_size[v] /= static_cast<double>(std::max<size_t>(1, view_count[v]));
   }
   tree.items.resize(covered);
-  parallel_for(chunks, 1, [&](size_t begin, size_t end) {
-    for (size_t c = begin; c < end; ++c) {
-      size_t out = first[c];
-      for (size_t i = c * chunk_size; i < std::min(count, (c + 1) * chunk_size); ++i) {
+  parallel_for(tiles, 4, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      size_t out = first[t];
+      const LearnedReceivers::Range& range = receivers.tile_spots[t];
+      for (size_t i = range.first; i < range.end(share); ++i) {
         if (states[i] != ReceiverState::covered) continue;
-        const uint8_t view = placed[i].view;
+        const uint32_t view = placed[i].view;
         tree.items[out++] = {make_key(placed[i], tree.views[view], mean_size[view]),
                              static_cast<uint32_t>(i)};
       }
     }
   });
-  sort_by_key(tree.items, scratch);
+  sort_by_key(tree.items, scratch.items);
   build_nodes(tree);
   tree.blocks.resize(size_t{tree.block_count} * coverage_block_floats);
   for (auto& bounds : tree.bounds) bounds.resize(tree.block_count + coverage_lanes);

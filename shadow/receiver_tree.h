@@ -51,6 +51,7 @@ struct ReceiverTree {
   std::vector<float> own;     ///< own_block_floats each, of leaves with receivers on pieces
   std::vector<float> bounds[6];
   uint32_t block_count = 0;
+  bool has_near = false;  ///< receivers are ReceiverState::near
 
   CoverageBounds bounds_of(uint32_t block) {
     return {&bounds[0][block], &bounds[1][block], &bounds[2][block],
@@ -69,11 +70,22 @@ enum class ReceiverState : uint8_t {
 /// A footprint of more than this part of its distance from the light is near.
 inline constexpr float near_footprint = 0.25f;
 
-/// Makes `tree` anew for the receivers that the light may light; `states` gets one entry a
-/// receiver. Deterministic for any thread count.
+/// What building takes of memory; give the same one again to allocate nothing.
+struct ReceiverTreeScratch {
+  /// A receiver in its view.
+  struct Placed {
+    float u, v, size;
+    uint32_t view;
+  };
+  std::vector<Placed> placed;
+  std::vector<KeyedIndex> items;
+};
+
+/// Makes `tree` anew for the receivers in a share of the pixels that the light may light, and fills
+/// in their `states`. Deterministic for any thread count.
 void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& lights,
-                         const CoverageKernels& kernels, ReceiverTree& tree,
-                         std::vector<ReceiverState>& states, std::vector<KeyedIndex>& scratch);
+                         PixelShare share, const CoverageKernels& kernels, ReceiverTree& tree,
+                         std::vector<ReceiverState>& states, ReceiverTreeScratch& scratch);
 
 /// Takes blocks that went dark out of the bounds, so that nothing is drawn onto them any more.
 void bound_lit_receivers(ReceiverTree& tree);

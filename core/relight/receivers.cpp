@@ -82,16 +82,19 @@ size_t ViewReceivers::tile_first(size_t tile) const {
   return tile < tile_count() ? cache_.tiles()[tile].first_slot * block_lanes : count();
 }
 
-void ViewReceivers::visit_tile(size_t tile,
-                               const std::function<void(const ReceiverGroup&)>& visit) const {
+void ViewReceivers::visit_tile(size_t tile, const std::function<void(const ReceiverGroup&)>& visit,
+                               PixelShare share) const {
   const PackedTile& packed = cache_.tiles()[tile];
   FootprintReader reader{packed.footprints, packed.member_counts, packed.members};
   size_t first = tile_first(tile);
   std::vector<float> scratch;
   ReceiverGroup group;
-  for (int b = 0; b < packed.block_count; ++b) {
+  const int block_count = cache_.block_count(packed, share);
+  const int quarter_count = cache_.block_count(packed, PixelShare::quarter);
+  for (int b = 0; b < block_count; ++b) {
     const PackedBlock block = cache_.block(packed, b);
     const float* records = decoder_.floats(block, scratch);
+    group.share = b < quarter_count ? PixelShare::quarter : PixelShare::all;
     for_each_slot(cache_.info(), block, records, first, [&](const Receivers& receivers, int slot) {
       group.receivers = receivers;
       group.slot = slot;

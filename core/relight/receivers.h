@@ -18,7 +18,8 @@ void query_block(const CacheInfo& info, const PackedBlock& block, const float* r
 /// Sixteen receivers, a slot of the cache, with the samples that each stands for.
 struct ReceiverGroup {
   Receivers receivers;
-  int slot = 0;  ///< within its block and type: one lane of them is one pixel
+  int slot = 0;                        ///< within its block and type: one lane of them is one pixel
+  PixelShare share = PixelShare::all;  ///< the first that holds its pixels
   std::array<Footprint, block_lanes> footprints;
   std::vector<Member> members;  ///< lane by lane, stored_members each
 };
@@ -40,9 +41,10 @@ class ViewReceivers {
   bool has_members() const { return cache_.info().has_members; }
   const CacheInfo& info() const { return cache_.info(); }
 
-  /// Calls visit(group) for each group of a tile, in order. What a group points to is valid within
-  /// the call.
-  void visit_tile(size_t tile, const std::function<void(const ReceiverGroup&)>& visit) const;
+  /// Calls visit(group) for each group of a tile, in order, up to those of `share`, which come
+  /// first. What a group points to is valid within the call.
+  void visit_tile(size_t tile, const std::function<void(const ReceiverGroup&)>& visit,
+                  PixelShare share = PixelShare::all) const;
 
  private:
   const RelightCache& cache_;

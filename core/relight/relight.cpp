@@ -295,10 +295,14 @@ RelightStats relight(RelightState& state, std::span<const Light> lights, Visibil
   const auto dragged = params.dragging ? choose_dragged(state, touched, kept) : std::nullopt;
   RelightStats stats;
   LayerShader layers(state, shader, params, stats);
-  for (const Pass& pass : passes) {
+  for (Pass& pass : passes) {
     layers.check_cancelled();
     const Timer prepare_timer;
-    if (pass.shadows != nullptr) pass.shadows->prepare(state.lights[pass.jobs[0].light]);
+    if (pass.shadows != nullptr) {
+      pass.shadows->prepare_share(state.lights[pass.jobs[0].light], params.pixels);
+      // What it told a share of the pixels may not be what it tells all of them.
+      if (!pass.shadows->all_visibility().empty()) pass.jobs[0].from = PixelShare::none;
+    }
     stats.prepare_ms += prepare_timer.ms();
     const Timer timer;
     if (&pass != &passes.back()) {

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "core/samples/pixel_share.h"
 #include "core/scene/light.h"
 
 namespace relume {
@@ -27,6 +28,9 @@ class VisibilitySource {
 
   /// Makes ready for queries about `light`.
   virtual void prepare(const Light& light) = 0;
+  /// The same where only receivers of a share of the pixels will be asked for: less work for
+  /// methods that do it here. Their answers may differ a little from those of prepare().
+  virtual void prepare_share(const Light& light, PixelShare /*share*/) { prepare(light); }
 
   /// Writes the fraction of each receiver that sees the light, in [0, 1], to visibility[0, count).
   /// Padding receivers get an unspecified finite value. Const, thread-safe, no allocation.

@@ -263,6 +263,10 @@ void measure(const std::string& name, VisibilitySource& source, const RelightCac
       cpu_ms = std::min(cpu_ms, 1e3 * static_cast<double>(std::clock() - cpu_start) /
                                     static_cast<double>(CLOCKS_PER_SEC));
     }
+    const Timer coarse_timer;
+    source.prepare_share(lights[l].light, PixelShare::quarter);
+    const double coarse_ms = coarse_timer.ms();
+    source.prepare(lights[l].light);
     found.push_back(pixel_visibility(cache, source));
     const Errors errors =
         find_errors(found.back(), truth[l], cache.info().width, cache.info().height);
@@ -270,6 +274,7 @@ void measure(const std::string& name, VisibilitySource& source, const RelightCac
                   cache.info().height);
     fmt::print("{:10} {:9} mae {:.4f} bias {:.4f} signed {:+.4f} ms {:.0f} cpu {:.0f}", name,
                lights[l].name, errors.mean, errors.bias, errors.signed_mean, ms, cpu_ms);
+    if (!source.all_visibility().empty()) fmt::print(" quarter {:.0f} ms", coarse_ms);
     if (const auto* coverage = dynamic_cast<const CoverageVisibility*>(&source)) {
       const CoverageStats& s = coverage->stats();
       fmt::print(

@@ -2,6 +2,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/random.h"
+#include "core/relight/relight.h"
 #include "shadow/coverage.h"
 #include "shadow/shadow.h"
 #include "tests/support/records.h"
@@ -209,6 +210,56 @@ TEST(Coverage, IsTheSameForAnyThreadCount) {
     }
   }
   set_thread_count(0);
+}
+
+TEST(Coverage, OfAQuarterOfThePixelsIsThatOfAll) {
+  // Of blades, coarser forms may be drawn where fewer receivers ask.
+  const std::pair<Scene, double> cases[] = {{make_meadow(), 2e-4}, {make_blades(), 0.015}};
+  for (const auto& [scene, most_difference] : cases) {
+    const Tracer tracer(scene);
+    const RelightCache cache = make_full_cache(scene, tracer, 4);
+    CoverageVisibility coverage(tracer, cache);
+    const ViewReceivers view(cache);
+    for (const NamedLight& light : all_lights()) {
+      coverage.prepare(light.light);
+      const std::vector<float> all(coverage.all_visibility().begin(),
+                                   coverage.all_visibility().end());
+      const uint64_t all_receivers = coverage.stats().receivers;
+      // Another light in between: nothing of it may stay.
+      coverage.prepare(make_point_light({-2, 1, -1}));
+      coverage.prepare_share(light.light, PixelShare::quarter);
+      EXPECT_LT(coverage.stats().receivers, all_receivers / 2 + 1) << light.name;
+      double difference = 0;
+      double count = 0;
+      for (size_t tile = 0; tile < view.tile_count(); ++tile) {
+        const auto compare = [&](const ReceiverGroup& group) {
+          for (int lane = 0; lane < group.receivers.count; ++lane) {
+            if (!(group.receivers.weight[lane] > 0)) continue;
+            const size_t i = group.receivers.first + static_cast<size_t>(lane);
+            difference += std::abs(coverage.all_visibility()[i] - all[i]);
+            ++count;
+          }
+        };
+        view.visit_tile(tile, compare, PixelShare::quarter);
+      }
+      EXPECT_GT(count, 0);
+      EXPECT_LE(difference, most_difference * count) << light.name;
+    }
+  }
+}
+
+TEST(Coverage, ACoarseFrameThatIsCompletedIsTheWhole) {
+  const Scene scene = make_blades();
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 4);
+  CoverageVisibility coverage(tracer, cache);
+  for (const NamedLight& light : all_lights()) {
+    const std::vector<Light> lights = {light.light};
+    RelightState state = make_relight_state(cache);
+    relight(state, lights, &coverage, {.pixels = PixelShare::quarter});
+    relight(state, lights, &coverage, {});
+    EXPECT_EQ(max_difference(state.frame, render_frame(cache, lights, &coverage)), 0) << light.name;
+  }
 }
 
 TEST(Coverage, InstructionSetsAgree) {
