@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "core/base/bytes_of.h"
 #include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
@@ -14,10 +15,10 @@ namespace {
 constexpr size_t group_count = 32;
 /// Primitives that are looked at in one go, the first time; those that reach a receiver are held.
 /// What they make dark, the later ones skip.
-constexpr uint64_t first_round_primitives = uint64_t{1} << 16;
+constexpr uint64_t first_round_primitives = uint64_t{1} << 19;
 /// Each time it is so many more, up to a limit.
 constexpr double round_growth = 1.3;
-constexpr uint64_t round_primitives = uint64_t{2} << 20;
+constexpr uint64_t round_primitives = uint64_t{1} << 19;
 /// As in make_thin_geometry.
 constexpr float max_thin_width_px = 32;
 /// To draw a triangle costs about as much as so many rays.
@@ -74,6 +75,16 @@ CoverageVisibility::CoverageVisibility(const Tracer& tracer, const RelightCache&
   // Where the scene was too large to flatten, so that memory does not grow with its instances.
   if (!tracer.stats().flattened) geometry_.solids.instancing = Instancing::instance;
   solids_.emplace(geometry_.solids);
+}
+
+uint64_t CoverageVisibility::memory_bytes() const {
+  uint64_t bytes = geometry_.memory_bytes() + receivers_.memory_bytes() + tree_.memory_bytes() +
+                   bytes_of(states_, scratch_, seen_, visibility_, groups_);
+  for (const ProjectedGeometry& group : groups_) {
+    bytes += bytes_of(group.segments.primitives, group.segments.reaches, group.triangles.primitives,
+                      group.triangles.reaches);
+  }
+  return solids_ ? bytes + solids_->stats().memory_bytes : bytes;
 }
 
 void CoverageVisibility::prepare_share(const Light& light, PixelShare share) {

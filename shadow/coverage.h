@@ -34,6 +34,7 @@ class CoverageVisibility final : public VisibilitySource {
   void prepare_share(const Light& light, PixelShare share) override;
   void visibility(const Receivers& receivers, float* visibility) const override;
   std::span<const float> all_visibility() const override { return visibility_; }
+  uint64_t memory_bytes() const override;
 
   const CoverageStats& stats() const { return stats_; }
   /// Whether solids are asked by rays; else there are none, or so few that they are drawn.
@@ -55,7 +56,7 @@ class CoverageVisibility final : public VisibilitySource {
   LearnedReceivers receivers_;
   ReceiverTree tree_;
   std::vector<ReceiverState> states_;
-  ReceiverTreeScratch scratch_;
+  std::vector<KeyedIndex> scratch_;
   std::vector<ProjectedGeometry> groups_;
   std::vector<float> seen_;  ///< per spot
   std::vector<float> visibility_;

@@ -348,6 +348,15 @@ void join(const std::vector<LearnedReceivers>& tiles, LearnedReceivers& learned)
   });
 }
 
+float find_mean_size(std::span<const CoverageReceiver> spots) {
+  double sum = 0;
+  for (const CoverageReceiver& spot : spots) {
+    const float* c = spot.covariance;
+    sum += static_cast<double>(std::sqrt(3 * (c[0] + c[3] + c[5])));
+  }
+  return static_cast<float>(sum / static_cast<double>(std::max<size_t>(1, spots.size())));
+}
+
 }  // namespace
 
 LearnedReceivers learn_receivers(const ViewReceivers& view, const Tracer& tracer,
@@ -373,6 +382,7 @@ LearnedReceivers learn_receivers(const ViewReceivers& view, const Tracer& tracer
     }
   });
   join(tiles, learned);
+  learned.mean_size = find_mean_size(learned.spots);
   return learned;
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/relight/receivers.h"
 #include "shadow/coverage_kernel.h"
 #include "shadow/thin_geometry.h"
@@ -21,6 +22,7 @@ struct LearnedReceivers {
   dvec3 center{0};  ///< spots are (world - center) / scale, within the unit sphere
   double scale = 1;
   std::vector<CoverageReceiver> spots;
+  float mean_size = 0;  ///< of the spots: root of three times the covariance's trace
   std::vector<CoverageAnchor> anchors;  ///< one a spot
   std::vector<ReceiverLink> links;      ///< those of a receiver follow each other
 
@@ -36,6 +38,7 @@ struct LearnedReceivers {
   std::vector<Range> tile_links;
 
   size_t count() const { return spots.size(); }
+  uint64_t memory_bytes() const { return bytes_of(spots, anchors, links, tile_spots, tile_links); }
 };
 
 /// On strands, samples of a receiver form one spot while they are within half a pixel of its first

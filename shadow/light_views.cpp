@@ -55,7 +55,9 @@ LightViews make_light_views(const Light& light, dvec3 center, double scale) {
   result.position = (dvec3(light.position) - center) / scale;
   const double distance = glm::length(result.position);
   if (distance > single_view_distance) {
-    result.views.push_back(make_view(-result.position / distance, dvec3(0), 1 / distance));
+    const double k = 1 / distance;
+    result.views.push_back(make_view(-result.position / distance, dvec3(0), k));
+    result.extent = static_cast<float>(1 / std::sqrt(1 - k * k));
     return result;
   }
   for (const dvec3& face : cube_faces) {

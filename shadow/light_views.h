@@ -16,6 +16,7 @@ inline constexpr size_t max_light_views = 6;
 /// million radii away loses nothing.
 struct LightViews {
   std::vector<CoverageView> views;
+  float extent = 1;  ///< |u| and |v| of what lies in the unit sphere are at most that
   bool is_parallel = false;
   dvec3 position{0};        ///< of the light, where it is not parallel
   dvec3 to_light{0, 1, 0};  ///< unit, where it is parallel; against a spot's direction

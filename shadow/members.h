@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/relight/receivers.h"
 #include "shadow/shadow_rays.h"
 
@@ -27,6 +28,7 @@ class MemberVisibility final : public VisibilitySource {
   void prepare_share(const Light& light, PixelShare share) override;
   void visibility(const Receivers& receivers, float* visibility) const override;
   std::span<const float> all_visibility() const override { return visibility_; }
+  uint64_t memory_bytes() const override { return bytes_of(visibility_); }
 
  private:
   void trace_group(const ReceiverGroup& group, float* visibility) const;

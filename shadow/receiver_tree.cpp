@@ -14,30 +14,14 @@ constexpr int size_bits = 2;
 /// A key is the view, the place's upper bits, the size, and the place's lower bits: parts of the
 /// picture are neighbours in it, and small parts hold footprints of one size.
 constexpr int key_bits = morton_bits + size_bits;
-constexpr int lower_bits = 16;
-
-using Placed = ReceiverTreeScratch::Placed;
+constexpr int lower_bits = 8;
 
 /// What a tile's receivers add up to.
 struct TileSums {
   bool has_near = false;
   size_t covered = 0;
   std::array<ReceiverTree::View, max_light_views> views;
-  std::array<double, max_light_views> size{};
-  std::array<size_t, max_light_views> count{};
 };
-
-void extend(ReceiverTree::View& view, float u, float v, float w) {
-  if (!view.is_used) {
-    view = {0, true, u, u, v, v, w};
-    return;
-  }
-  view.u_low = std::min(view.u_low, u);
-  view.u_high = std::max(view.u_high, u);
-  view.v_low = std::min(view.v_low, v);
-  view.v_high = std::max(view.v_high, v);
-  view.w_low = std::min(view.w_low, w);
-}
 
 float squared_footprint_size(const CoverageReceiver& receiver) {
   const float* c = receiver.covariance;
@@ -74,23 +58,6 @@ ReceiverState find_state(const LearnedReceivers& receivers, const LightViews& li
   return is_near ? ReceiverState::near : ReceiverState::covered;
 }
 
-Placed place(const LearnedReceivers& receivers, const LightViews& lights, size_t i,
-             TileSums& sums) {
-  const CoverageReceiver& receiver = receivers.spots[i];
-  const vec3 p(receiver.position[0], receiver.position[1], receiver.position[2]);
-  const size_t view = lights.view_of(p);
-  const ViewPoint at = view_point(lights.views[view], p);
-  const float inverse = 1 / std::max(at.w, 1e-9f);
-  const Placed placed{at.x * inverse, at.y * inverse,
-                      std::sqrt(squared_footprint_size(receiver)) * inverse,
-                      static_cast<uint32_t>(view)};
-  extend(sums.views[view], placed.u, placed.v, at.w);
-  sums.size[view] += static_cast<double>(placed.size);
-  ++sums.count[view];
-  ++sums.covered;
-  return placed;
-}
-
 /// The bits of x, with a zero between each two.
 uint32_t spread_bits(uint32_t x) {
   x &= 0xffff;
@@ -100,23 +67,53 @@ uint32_t spread_bits(uint32_t x) {
   return (x | x << 1) & 0x55555555;
 }
 
-uint32_t make_key(const Placed& placed, const ReceiverTree::View& view, double mean_size) {
-  constexpr float steps = static_cast<float>(1 << (morton_bits / 2)) - 1;
-  const auto quantise = [](float x, float low, float high) {
-    const float extent = std::max(high - low, 1e-30f);
-    return static_cast<uint32_t>(std::clamp((x - low) / extent, 0.0f, 1.0f) * steps);
-  };
-  const uint32_t code = spread_bits(quantise(placed.u, view.u_low, view.u_high)) |
-                        spread_bits(quantise(placed.v, view.v_low, view.v_high)) << 1;
-  const auto size = static_cast<double>(placed.size);
-  const uint32_t size_class = size < mean_size       ? 0
-                              : size < 3 * mean_size ? 1
-                              : size < 9 * mean_size ? 2
-                                                     : 3;
-  const uint32_t lower = code & ((1u << lower_bits) - 1);
-  const uint32_t upper = placed.view << (morton_bits - lower_bits) | code >> lower_bits;
-  return (upper << size_bits | size_class) << lower_bits | lower;
-}
+/// Finds where receivers stand in the light's picture.
+class ReceiverPlacer {
+ public:
+  ReceiverPlacer(const LearnedReceivers& receivers, const LightViews& lights)
+      : receivers_(receivers), lights_(lights), to_unit_(0.5f / lights.extent) {
+    float size = receivers.mean_size;
+    for (float& least : squared_size_) {
+      least = size * size;
+      size *= 3;
+    }
+  }
+
+  KeyedIndex place(size_t i, TileSums& sums) const {
+    const CoverageReceiver& receiver = receivers_.spots[i];
+    const vec3 p(receiver.position[0], receiver.position[1], receiver.position[2]);
+    const size_t v = lights_.view_of(p);
+    const ViewPoint at = view_point(lights_.views[v], p);
+    ReceiverTree::View& view = sums.views[v];
+    view.w_low = view.is_used ? std::min(view.w_low, at.w) : at.w;
+    view.is_used = true;
+    ++sums.covered;
+    const float inverse = 1 / std::max(at.w, 1e-9f);
+    const uint32_t code =
+        spread_bits(step_of(at.x * inverse)) | spread_bits(step_of(at.y * inverse)) << 1;
+    const float size = squared_footprint_size(receiver) * inverse * inverse;
+    uint32_t size_class = 0;
+    for (const float least : squared_size_) size_class += size >= least ? 1 : 0;
+    const uint32_t lower = code & ((1u << lower_bits) - 1);
+    const uint32_t upper =
+        static_cast<uint32_t>(v) << (morton_bits - lower_bits) | code >> lower_bits;
+    return {(upper << size_bits | size_class) << lower_bits | lower, static_cast<uint32_t>(i)};
+  }
+
+ private:
+  static constexpr int size_steps = (1 << size_bits) - 1;
+
+  /// Of a coordinate of the picture.
+  uint32_t step_of(float u) const {
+    constexpr float steps = static_cast<float>(1 << (morton_bits / 2)) - 1;
+    return static_cast<uint32_t>(std::clamp(u * to_unit_ + 0.5f, 0.0f, 1.0f) * steps);
+  }
+
+  const LearnedReceivers& receivers_;
+  const LightViews& lights_;
+  float to_unit_;
+  float squared_size_[size_steps];  ///< from which on a footprint is of the next class
+};
 
 /// Adds the node of items [begin, end), which agree in all bits from `shift` on, at `index`.
 class TreeBuilder {
@@ -242,58 +239,49 @@ void project_own(const LearnedReceivers& receivers, const LightViews& lights,
 
 void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& lights,
                          PixelShare share, const CoverageKernels& kernels, ReceiverTree& tree,
-                         std::vector<ReceiverState>& states, ReceiverTreeScratch& scratch) {
+                         std::vector<ReceiverState>& states, std::vector<KeyedIndex>& scratch) {
   const size_t count = receivers.count();
   const size_t tiles = receivers.tile_spots.size();
   states.resize(count);
-  std::vector<Placed>& placed = scratch.placed;
+  // Each tile writes where its receivers stand; then they are moved together.
+  std::vector<KeyedIndex>& placed = scratch;
   placed.resize(count);
+  const ReceiverPlacer placer(receivers, lights);
   std::vector<TileSums> sums(tiles);
   parallel_for(tiles, 4, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
       const LearnedReceivers::Range& range = receivers.tile_spots[t];
+      size_t out = range.first;
       for (size_t i = range.first; i < range.end(share); ++i) {
         states[i] = find_state(receivers, lights, i);
-        if (states[i] == ReceiverState::covered) placed[i] = place(receivers, lights, i, sums[t]);
+        if (states[i] == ReceiverState::covered) placed[out++] = placer.place(i, sums[t]);
         sums[t].has_near |= states[i] == ReceiverState::near;
       }
     }
   });
   tree.has_near = std::ranges::any_of(sums, &TileSums::has_near);
   tree.views = {};
-  std::array<double, max_light_views> mean_size{};
-  std::array<size_t, max_light_views> view_count{};
   std::vector<size_t> first(tiles);
   size_t covered = 0;
   for (size_t t = 0; t < tiles; ++t) {
     first[t] = covered;
     covered += sums[t].covered;
     for (size_t v = 0; v < max_light_views; ++v) {
-      const ReceiverTree::View& view = sums[t].views[v];
-      if (!view.is_used) continue;
-      extend(tree.views[v], view.u_low, view.v_low, view.w_low);
-      extend(tree.views[v], view.u_high, view.v_high, view.w_low);
-      mean_size[v] += sums[t].size[v];
-      view_count[v] += sums[t].count[v];
+      const ReceiverTree::View& from = sums[t].views[v];
+      ReceiverTree::View& view = tree.views[v];
+      if (!from.is_used) continue;
+      view.w_low = view.is_used ? std::min(view.w_low, from.w_low) : from.w_low;
+      view.is_used = true;
     }
-  }
-  for (size_t v = 0; v < max_light_views; ++v) {
-    mean_size[v] /= static_cast<double>(std::max<size_t>(1, view_count[v]));
   }
   tree.items.resize(covered);
-  parallel_for(tiles, 4, [&](size_t begin, size_t end) {
+  parallel_for(tiles, 16, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
-      size_t out = first[t];
-      const LearnedReceivers::Range& range = receivers.tile_spots[t];
-      for (size_t i = range.first; i < range.end(share); ++i) {
-        if (states[i] != ReceiverState::covered) continue;
-        const uint32_t view = placed[i].view;
-        tree.items[out++] = {make_key(placed[i], tree.views[view], mean_size[view]),
-                             static_cast<uint32_t>(i)};
-      }
+      std::copy_n(placed.begin() + static_cast<ptrdiff_t>(receivers.tile_spots[t].first),
+                  sums[t].covered, tree.items.begin() + static_cast<ptrdiff_t>(first[t]));
     }
   });
-  sort_by_key(tree.items, scratch.items);
+  sort_by_key(tree.items, scratch);
   build_nodes(tree);
   tree.blocks.resize(size_t{tree.block_count} * coverage_block_floats);
   for (auto& bounds : tree.bounds) bounds.resize(tree.block_count + coverage_lanes);

@@ -40,11 +40,7 @@ struct ReceiverTree {
   struct View {
     uint32_t root = 0;
     bool is_used = false;
-    float u_low = 0;  ///< of the receivers' means
-    float u_high = 0;
-    float v_low = 0;
-    float v_high = 0;
-    float w_low = 0;
+    float w_low = 0;  ///< of the receivers' means
   };
   std::array<View, max_light_views> views;
   std::vector<float> blocks;  ///< coverage_block_floats each
@@ -53,6 +49,11 @@ struct ReceiverTree {
   uint32_t block_count = 0;
   bool has_near = false;  ///< receivers are ReceiverState::near
 
+  uint64_t memory_bytes() const {
+    uint64_t bytes = bytes_of(items, leaves, nodes, blocks, own);
+    for (const auto& part : bounds) bytes += bytes_of(part);
+    return bytes;
+  }
   CoverageBounds bounds_of(uint32_t block) {
     return {&bounds[0][block], &bounds[1][block], &bounds[2][block],
             &bounds[3][block], &bounds[4][block], &bounds[5][block]};
@@ -70,22 +71,12 @@ enum class ReceiverState : uint8_t {
 /// A footprint of more than this part of its distance from the light is near.
 inline constexpr float near_footprint = 0.25f;
 
-/// What building takes of memory; give the same one again to allocate nothing.
-struct ReceiverTreeScratch {
-  /// A receiver in its view.
-  struct Placed {
-    float u, v, size;
-    uint32_t view;
-  };
-  std::vector<Placed> placed;
-  std::vector<KeyedIndex> items;
-};
-
 /// Makes `tree` anew for the receivers in a share of the pixels that the light may light, and fills
-/// in their `states`. Deterministic for any thread count.
+/// in their `states`. Deterministic for any thread count. `scratch`: give the same one again to
+/// allocate nothing.
 void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& lights,
                          PixelShare share, const CoverageKernels& kernels, ReceiverTree& tree,
-                         std::vector<ReceiverState>& states, ReceiverTreeScratch& scratch);
+                         std::vector<ReceiverState>& states, std::vector<KeyedIndex>& scratch);
 
 /// Takes blocks that went dark out of the bounds, so that nothing is drawn onto them any more.
 void bound_lit_receivers(ReceiverTree& tree);

@@ -374,6 +374,18 @@ ThinGeometry make_thin_geometry(const Scene& scene, int height_px, float max_wid
   return split_scene(scene, height_px, max_width_px, true);
 }
 
+uint64_t ThinGeometry::memory_bytes() const {
+  uint64_t bytes = bytes_of(shapes, instances);
+  for (const ThinShape& shape : shapes) {
+    bytes += bytes_of(shape.vertices, shape.triangles, shape.opacity, shape.pieces, shape.chunks,
+                      shape.levels, shape.piece_of);
+    for (const ThinLevel& level : shape.levels) {
+      bytes += bytes_of(level.error, level.vertices, level.triangles, level.opacity, level.pieces);
+    }
+  }
+  return bytes;
+}
+
 uint32_t ThinGeometry::piece_at(const Scene& scene, const SurfacePoint& point) const {
   const uint32_t thin = shape_of[scene.instances[point.instance].prototype][point.shape];
   if (thin == no_piece) return no_piece;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/bytes_of.h"
 #include "core/scene/scene.h"
 #include "core/trace/tracer.h"
 
@@ -66,6 +67,7 @@ struct ThinGeometry {
   std::vector<std::vector<uint32_t>> shape_of;  ///< per prototype and shape: which of its thin ones
 
   bool empty() const { return instances.empty(); }
+  uint64_t memory_bytes() const;  ///< of what is drawn
 
   /// The number of the piece of a mesh that a point of the scene lies on, or no_piece.
   uint32_t piece_at(const Scene& scene, const SurfacePoint& point) const;

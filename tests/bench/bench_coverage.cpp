@@ -327,6 +327,7 @@ int main(int argc, char** argv) {
     const auto source = make_shadow(*value_of(shadow_method_labels, method), tracer, cache);
     fmt::print("{} made in {:.0f} ms\n", method, timer.ms());
     measure(method, *source, cache, lights, truth);
+    fmt::print("{} keeps {} MB\n", method, source->memory_bytes() >> 20);
   }
   return 0;
 }
