@@ -106,6 +106,7 @@ class ChunkProjector {
   /// What the receivers that a chunk may reach say of it.
   struct ChunkReach {
     bool is_any = false;
+    bool is_whole = false;                               ///< nothing of the chunk has to be cut
     float depth = std::numeric_limits<float>::lowest();  ///< of its nearest corner
     float w = 0;         ///< of its nearest corner, 0 = too near to tell
     float size_low = 0;  ///< size of the smallest footprint it may reach
@@ -114,6 +115,7 @@ class ChunkProjector {
   /// `bounds`: local ones.
   ChunkReach find_reach(const Bounds& bounds) {
     unsigned outside = all_planes;
+    unsigned outside_any = 0;
     bool is_near = false;
     ChunkReach reach;
     reach.w = std::numeric_limits<float>::infinity();
@@ -125,7 +127,9 @@ class ChunkProjector {
                    (corner & 2) != 0 ? bounds.high.y : bounds.low.y,
                    (corner & 4) != 0 ? bounds.high.z : bounds.low.z);
       const vec4 q = shape_.point(p);
-      outside &= outside_planes(q);
+      const unsigned beyond = outside_planes(q);
+      outside &= beyond;
+      outside_any |= beyond;
       is_near |= !(q.w > near_w_);
       if (is_near) continue;
       extend(box, q.x / q.w, q.y / q.w, q.z / q.w);
@@ -133,6 +137,7 @@ class ChunkProjector {
     }
     if (outside != 0) return {};
     if (is_near) return {true};
+    reach.is_whole = outside_any == 0;
     reach.depth = box.z_low;
     reach.size_low = std::numeric_limits<float>::infinity();
     for_each_leaf(tree_, view_.root, box, scratch_.stack, [&](const ReceiverNode& node) {
@@ -142,8 +147,12 @@ class ChunkProjector {
     return reach;
   }
 
-  /// False when nothing within the local bounds reaches a leaf.
-  bool may_reach(const Bounds& bounds) { return find_reach(bounds).is_any; }
+  /// False when nothing of the chunk within the local bounds reaches a leaf. Its pieces come next.
+  bool start_chunk(const Bounds& bounds) {
+    const ChunkReach reach = find_reach(bounds);
+    is_chunk_whole_ = reach.is_whole;
+    return reach.is_any;
+  }
 
   /// Projects the points of a piece; false when nothing of it reaches a leaf. What is
   /// added then has to belong to the piece.
@@ -157,7 +166,7 @@ class ChunkProjector {
     for (uint32_t i = 0; i < count; ++i) {
       const vec4 p = shape_.point(vec3(points[i]));
       scratch_.points[i] = p;
-      const unsigned beyond = outside_planes(p);
+      const unsigned beyond = is_chunk_whole_ ? 0 : outside_planes(p);
       is_whole &= beyond == 0;
       // A strand's radius may reach in where its axis does not.
       outside &= points[i].w > 0 ? 0 : beyond;
@@ -200,7 +209,7 @@ class ChunkProjector {
   void add_segment(uint32_t a, uint32_t b, float radius_a, float radius_b, uint32_t piece) {
     vec4 p = scratch_.points[a];
     vec4 q = scratch_.points[b];
-    if (!cut_segment(p, q, radius_a, radius_b)) return;
+    if (!is_whole_ && !cut_segment(p, q, radius_a, radius_b)) return;
     // A strand is a ribbon that faces the light: half its width is seen across line of sight and
     // axis.
     const vec4 middle = 0.5f * (p + q);
@@ -425,8 +434,9 @@ class ChunkProjector {
   const ShapeView& shape_;
   ProjectionScratch& scratch_;
   ProjectedGeometry& out_;
-  uint32_t start_ = 0;     ///< node that holds all that the piece reaches
-  bool is_whole_ = false;  ///< nothing of the piece has to be cut
+  uint32_t start_ = 0;           ///< node that holds all that the piece reaches
+  bool is_whole_ = false;        ///< nothing of the piece has to be cut
+  bool is_chunk_whole_ = false;  ///< nor of the chunk
   float near_w_ = 0;
   float u_low_ = 0;
   float u_high_ = 0;
@@ -524,7 +534,7 @@ void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receive
   const ShapeView view =
       make_shape_view(lights.views[work.view], instance.world_from_local, receivers);
   ChunkProjector projector(tree, tree.views[work.view], view, scratch, out);
-  if (!projector.may_reach(chunk.bounds)) return;
+  if (!projector.start_chunk(chunk.bounds)) return;
   if (work.level > 0) {
     const ThinLevel& level = shape.levels[work.level - 1];
     project_pieces(level, chunk, instance.first_piece, false, work.slack, projector);
