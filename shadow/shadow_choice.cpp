@@ -9,7 +9,7 @@ namespace {
 
 constexpr double keep_share = 0.8;  ///< of the budget, that a method not in use must fit
 
-/// A move's time as a multiple of volume's: hair, docs/shadow-study.md. Only until it is measured.
+/// About a move's time as a multiple of volume's: hair, docs/shadows.md. Only until it is measured.
 double typical_cost(ShadowMethod method) {
   switch (method) {
     case ShadowMethod::none:
@@ -18,12 +18,13 @@ double typical_cost(ShadowMethod method) {
       return 1;
     case ShadowMethod::opacity:
       return 3;
-    case ShadowMethod::ray:
     case ShadowMethod::coverage:
-      return 20;
+      return 8;
+    case ShadowMethod::ray:
+      return 15;
     case ShadowMethod::members:
     case ShadowMethod::automatic:
-      return 60;
+      return 40;
   }
   return 1;
 }
@@ -56,7 +57,6 @@ ShadowChoice ShadowChooser::choose(ShadowLevel level, double budget_ms) {
     return ShadowChoice{method, fmt::format("{}: {}", name_of(method), why)};
   };
   for (const ShadowMethod method : {ShadowMethod::coverage, ShadowMethod::opacity}) {
-    if (level == ShadowLevel::drag && method == ShadowMethod::coverage) continue;
     const auto last = last_.find(level);
     const bool in_use = last != last_.end() && last->second == method;
     const double ms = expected_ms(method);
