@@ -161,7 +161,6 @@ void CoverageVisibility::shade_leaves() {
       const ReceiverLeaf& leaf = tree_.leaves[l];
       CoverageTask task{};
       task.blocks = &tree_.blocks[size_t{leaf.first_block} * coverage_block_floats];
-      task.own = leaf.has_own ? &tree_.own[size_t{leaf.first_own} * own_block_floats] : nullptr;
       task.bounds = tree_.bounds_of(leaf.first_block);
       task.block_count = static_cast<int>(leaf.block_count);
       std::array<CoverageList<CoverageSegment>, group_count> segment_lists;

@@ -6,8 +6,8 @@
 
 namespace relume {
 
-inline constexpr int coverage_lanes = 16;       ///< receivers of a block
-inline constexpr int max_task_blocks = 64;      ///< of a leaf
+inline constexpr int coverage_lanes = 16;        ///< receivers of a block
+inline constexpr int max_task_blocks = 64;       ///< of a leaf
 inline constexpr int coverage_group_blocks = 8;  ///< blocks that are culled together
 
 /// What a block stores per receiver, 16 lanes each. u and v are the light's picture plane, z the
@@ -23,20 +23,11 @@ enum CoverageArray {
   array_l0,
   array_l1,
   array_l2,
+  array_piece,    ///< tag of the piece of geometry that the receiver lies on, or -1
   array_visible,  ///< out: product over the pieces that were drawn
   coverage_arrays
 };
 inline constexpr int coverage_block_floats = coverage_arrays * coverage_lanes;
-
-/// And where one of its receivers lies on a piece of the geometry that is drawn:
-enum OwnArray {
-  own_piece,  ///< tag of the piece that the receiver lies on, or -1
-  own_u,      ///< a point of the receiver on that piece,
-  own_v,      ///< and,
-  own_z,      ///< moved towards the light, its depth
-  own_arrays
-};
-inline constexpr int own_block_floats = own_arrays * coverage_lanes;
 
 /// Pieces are told apart by a number that a float holds exactly. Pieces of a very large scene may
 /// share one: then a receiver's footprint counts as a point for one piece too many.
@@ -54,12 +45,6 @@ struct alignas(64) CoverageReceiver {
   int16_t normal[3] = {};        ///< that light is judged by, times 32767; zero on strands
   int16_t plane[3] = {};         ///< of the geometry, times 32767, within 90 degrees of `normal`
   uint32_t lit_from_behind = 0;  ///< 0: light from behind `normal` does not count
-};
-
-/// A sample of a receiver, which does lie on its piece.
-struct CoverageAnchor {
-  float position[3] = {};
-  float bias = 0;  ///< how far towards the light that piece does not count
 };
 
 /// A projective view from the light: (x, y, d) = rows * (p, 1), w = 1 + k d, then u = x / w,
@@ -114,7 +99,6 @@ struct CoverageList {
 /// The blocks of a leaf.
 struct CoverageTask {
   float* blocks;
-  const float* own;  ///< null where no receiver lies on a piece
   CoverageBounds bounds;
   int block_count;  ///< up to max_task_blocks
   uint64_t tests;   ///< out: receivers x primitives that were looked at
@@ -130,9 +114,6 @@ struct CoverageKernels {
   /// Fills one block, and its bounds, from receivers index[0, count), 1 to 16 of them.
   void (*project)(const CoverageReceiver*, const CoverageView&, const uint32_t* index, int count,
                   float* block, const CoverageBounds& bounds);
-  /// Fills a block's own arrays.
-  void (*project_own)(const CoverageReceiver*, const CoverageAnchor*, const CoverageView&,
-                      const uint32_t* index, int count, float* own);
   /// Multiply the blocks' visibility by what the primitives leave.
   void (*shade_segments)(CoverageTask&, const CoverageList<CoverageSegment>*, int list_count);
   void (*shade_triangles)(CoverageTask&, const CoverageList<CoverageTriangle>*, int list_count);

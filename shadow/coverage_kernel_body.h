@@ -132,6 +132,7 @@ inline void project_lanes(const Gathered& in, const CoverageView& view, int lane
   store(array_l0, F(root_three) * l0);
   store(array_l1, F(root_three) * l1);
   store(array_l2, F(root_three) * l2);
+  store(array_piece, load(11));
   const F reach_u = F(root_three) * l0;
   const F reach_v = F(root_three) * (absolute(l1) + l2);
   (u - reach_u).store(&extents.u_low[lane]);
@@ -171,34 +172,6 @@ inline void project(const CoverageReceiver* receivers, const CoverageView& view,
   *bounds.v_high = highest(extents.v_high);
   *bounds.z_high = highest(extents.far);
   *bounds.size_low = lowest(extents.size);
-}
-
-inline void project_own(const CoverageReceiver* receivers, const CoverageAnchor* anchors,
-                        const CoverageView& view, const uint32_t* index, int count, float* own) {
-  float value[4][lanes];
-  for (int lane = 0; lane < lanes; ++lane) {
-    const uint32_t receiver = index[lane < count ? lane : 0];
-    const CoverageAnchor& anchor = anchors[receiver];
-    for (int i = 0; i < 3; ++i) value[i][lane] = anchor.position[i];
-    value[3][lane] = anchor.bias;
-    own[own_piece * lanes + lane] = receivers[receiver].piece;
-  }
-  for (int lane = 0; lane < lanes; lane += native_width) {
-    const auto row = [&](int i) {
-      const float* r = view.row[i];
-      return fma(F(r[0]), F::load(&value[0][lane]),
-                 fma(F(r[1]), F::load(&value[1][lane]),
-                     fma(F(r[2]), F::load(&value[2][lane]), F(r[3]))));
-    };
-    const F depth = row(2);
-    const F inverse = reciprocal(max(fma(F(view.k), depth, F(1)), F(1e-9f)));
-    const F u = row(0) * inverse;
-    const F v = row(1) * inverse;
-    const F bias = F::load(&value[3][lane]) * inverse * inverse / length_along(u, v, view.k);
-    u.store(own + own_u * lanes + lane);
-    v.store(own + own_v * lanes + lane);
-    fma(depth, inverse, F(0) - bias).store(own + own_z * lanes + lane);
-  }
 }
 
 // ---- which primitives may reach which blocks ----
@@ -249,7 +222,8 @@ struct Sieve<CoverageSegment> {
     const F side_v = absolute(dv);
     const F reach_u(area.reach_u);
     const F reach_v(area.reach_v);
-    const F across = absolute(v * du - u * dv) - fma(reach_u, side_v, fma(reach_v, side_u, load(5)));
+    const F across =
+        absolute(v * du - u * dv) - fma(reach_u, side_v, fma(reach_v, side_u, load(5)));
     const F along =
         absolute(fma(u, du, v * dv)) - fma(reach_u, side_u, fma(reach_v, side_v, load(4)));
     return max(max(across, along), load(6) - F(area.z_high));
@@ -291,8 +265,8 @@ struct Sieve<CoverageTriangle> {
     const F v(area.v);
     const F reach_u(area.reach_u);
     const F reach_v(area.reach_v);
-    F apart = max(absolute(u - load(0)) - load(2) - reach_u,
-                  absolute(v - load(1)) - load(3) - reach_v);
+    F apart =
+        max(absolute(u - load(0)) - load(2) - reach_u, absolute(v - load(1)) - load(3) - reach_v);
     apart = max(apart, load(4) - F(area.z_high));
     for (int side = 5; side < fields; side += 3) {
       const F a = load(side);
@@ -440,25 +414,26 @@ inline F edge_area(F x0, F y0, F xa, F x1, F y1, F xb) {
 struct SurfaceFootprints : Footprints {
   F m0, m2;   // 1 / l0, 1 / l2
   F reach_v;  // half the footprint's extent in v; in u it is l0
+  F spread;   // of depths, half
   F far;      // the farthest depth that an occluder in front may have
-  const float* own;
+  F piece;    // tag of the piece that the receiver lies on, or -1
 
-  SurfaceFootprints(const float* block, const float* own_arrays, int lane)
-      : Footprints(block, lane), own(own_arrays != nullptr ? own_arrays + lane : nullptr) {
+  SurfaceFootprints(const float* block, int lane) : Footprints(block, lane) {
     m0 = reciprocal(l0);
     m2 = reciprocal(l2);
     reach_v = absolute(l1) + l2;
-    far = z + fma(absolute(zu), l0, fma(absolute(zv), reach_v, reciprocal(softness) * F(0.5f)));
+    spread = reciprocal(softness) * F(0.5f);
+    far = z + fma(absolute(zu), l0, fma(absolute(zv), reach_v, spread));
+    piece = F::load(block + array_piece * lanes + lane);
   }
 };
 
 /// The part of each footprint that a triangle of the receiver's own piece covers: all or nothing,
-/// by a point that lies on the piece. A footprint is flat and a piece is not, it would shade
-/// itself.
-inline void cover_own(const float* own, const CoverageTriangle& t, Mask<native_width> is_own,
-                      PieceCover& cover) {
-  const F u = F::load(own + own_u * lanes);
-  const F v = F::load(own + own_v * lanes);
+/// by the footprint's middle. A footprint is flat and a piece is not, it would shade itself.
+inline void cover_own(const SurfaceFootprints& receivers, const CoverageTriangle& t,
+                      Mask<native_width> is_own, PieceCover& cover) {
+  const F u = receivers.u;
+  const F v = receivers.v;
   F least_turn(0);
   F most_turn(0);
   for (int i = 0; i < 3; ++i) {
@@ -469,8 +444,7 @@ inline void cover_own(const float* own, const CoverageTriangle& t, Mask<native_w
     most_turn = i == 0 ? turn : max(most_turn, turn);
   }
   const F plane = fma(F(t.zu), u - F(t.u[0]), fma(F(t.zv), v - F(t.v[0]), F(t.z)));
-  const F weight =
-      select(plane < F::load(own + own_z * lanes) - F(t.slack), F(t.opacity), F(0));
+  const F weight = select(plane < receivers.z + receivers.spread - F(t.slack), F(t.opacity), F(0));
   const F covered = select(is_own, weight, F(0));
   cover.front = cover.front + select(least_turn > F(0), covered, F(0));
   cover.back = cover.back + select(most_turn < F(0), covered, F(0));
@@ -479,13 +453,9 @@ inline void cover_own(const float* own, const CoverageTriangle& t, Mask<native_w
 /// Exact overlap of the triangle with each footprint's parallelogram.
 inline void cover(const SurfaceFootprints& receivers, const CoverageTriangle& t,
                   PieceCover& cover) {
-  F part(0.25f * t.opacity);
-  if (receivers.own != nullptr) {
-    const F piece = F::load(receivers.own + own_piece * lanes);
-    const auto is_own = absolute(piece - F(piece_tag(t.piece))) < F(0.5f);
-    if (bits_of(is_own) != 0) cover_own(receivers.own, t, is_own, cover);
-    part = select(is_own, F(0), part);
-  }
+  const auto is_own = absolute(receivers.piece - F(piece_tag(t.piece))) < F(0.5f);
+  if (bits_of(is_own) != 0) cover_own(receivers, t, is_own, cover);
+  const F part = select(is_own, F(0), F(0.25f * t.opacity));
   F x[3];
   F y[3];
   F cx[3];
@@ -600,7 +570,7 @@ struct Hits {
   uint16_t index[batch_size];
 };
 
-inline void draw(const Batch<CoverageSegment>& batch, const Hits& hits, float* block, const float*,
+inline void draw(const Batch<CoverageSegment>& batch, const Hits& hits, float* block,
                  OpenPiece& open) {
   for (int lane = 0; lane < lanes; lane += native_width) {
     const Footprints receivers(block, lane);
@@ -615,9 +585,9 @@ inline void draw(const Batch<CoverageSegment>& batch, const Hits& hits, float* b
 }
 
 inline void draw(const Batch<CoverageTriangle>& batch, const Hits& hits, float* block,
-                 const float* own, OpenPiece& open) {
+                 OpenPiece& open) {
   for (int lane = 0; lane < lanes; lane += native_width) {
-    const SurfaceFootprints receivers(block, own, lane);
+    const SurfaceFootprints receivers(block, lane);
     LaneDrawer<CoverageTriangle> drawer(block, open, lane);
     for (int i = 0; i < hits.count; ++i) {
       const int at = hits.index[i];
@@ -659,10 +629,6 @@ class LeafDrawer {
 
  private:
   float* block_at(int b) { return task_.blocks + static_cast<int64_t>(b) * coverage_block_floats; }
-  const float* own_at(int b) {
-    return task_.own != nullptr ? task_.own + static_cast<int64_t>(b) * own_block_floats : nullptr;
-  }
-
   void draw_group(int first, int end) {
     const CoverageBounds& bounds = task_.bounds;
     float u_low = 0;
@@ -696,7 +662,7 @@ class LeafDrawer {
                   [&](int i) { hits.index[hits.count++] = static_cast<uint16_t>(i); });
     if (hits.count == 0) return;
     task_.tests += static_cast<uint64_t>(hits.count) * lanes;
-    draw(near_, hits, block_at(b), own_at(b), open_[b]);
+    draw(near_, hits, block_at(b), open_[b]);
     const Primitive& last = *near_.primitives[hits.index[hits.count - 1]];
     open_[b].is_open = true;
     open_[b].piece = last.piece;
@@ -731,7 +697,7 @@ void shade(CoverageTask& task, const CoverageList<Primitive>* lists, int list_co
 }
 
 CoverageKernels make_coverage_kernels() {
-  return {project, project_own, shade<CoverageSegment>, shade<CoverageTriangle>};
+  return {project, shade<CoverageSegment>, shade<CoverageTriangle>};
 }
 
 }  // namespace relume::RELUME_ISA

@@ -12,7 +12,7 @@ constexpr double least_view_cosine = 0.1;
 constexpr double surface_slack = 0.02;
 /// Radii of spots.
 constexpr double strand_spot_px = 0.5;
-constexpr double surface_spot_px = 1.5;
+constexpr double surface_spot_px = 0.3;
 constexpr float surface_margin = 1;
 /// A sample within so many pixels of a spot's plane, and this cosine of its normal, is on the same
 /// surface.
@@ -264,13 +264,13 @@ class TileLearner {
     for (const size_t i : {0, 3, 5}) covariance[i] = std::max(covariance[i], 0.0);
     camera_.add_cell(spot.extent.mean, spot.plane_normal, covariance);
     const double inverse = 1 / out_.scale;
-    const dvec3 p = (spot.extent.mean - out_.center) * inverse;
-    const dvec3 anchor = (spot.anchor - out_.center) * inverse;
+    // Onto the surface at its first sample: the mean of a bent surface's samples lies beside it.
+    const dvec3 off =
+        glm::dot(spot.extent.mean - spot.anchor, spot.plane_normal) * spot.plane_normal;
+    const dvec3 p = (spot.extent.mean - off - out_.center) * inverse;
     CoverageReceiver& learned = out_.spots.emplace_back();
-    CoverageAnchor& learned_anchor = out_.anchors.emplace_back();
     for (size_t axis = 0; axis < 3; ++axis) {
       learned.position[axis] = static_cast<float>(p[axis]);
-      learned_anchor.position[axis] = static_cast<float>(anchor[axis]);
       learned.normal[axis] = static_cast<int16_t>(std::lround(32767 * spot.anchor_normal[axis]));
       learned.plane[axis] = static_cast<int16_t>(std::lround(32767 * spot.plane_normal[axis]));
     }
@@ -280,7 +280,6 @@ class TileLearner {
     const double size = std::sqrt(covariance[0] + covariance[3] + covariance[5]);
     learned.bias = static_cast<float>(
         (on_surface ? 4 * spot.bias + surface_slack * size : spot.bias) * inverse);
-    learned_anchor.bias = static_cast<float>(4 * spot.bias * inverse);
     learned.margin = on_surface ? surface_margin : 0.0f;
     learned.piece = spot.piece != no_piece ? piece_tag(spot.piece) : -1.0f;
     learned.lit_from_behind = spot.lit_from_behind ? 1 : 0;
@@ -332,13 +331,11 @@ void join(const std::vector<LearnedReceivers>& tiles, LearnedReceivers& learned)
   }
   CHECK_MSG(spots < uint64_t{1} << 32, "{} spots", spots);
   learned.spots.resize(spots);
-  learned.anchors.resize(spots);
   learned.links.resize(links);
   parallel_for(tiles.size(), 16, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
       const size_t first = learned.tile_spots[t].first;
       std::ranges::copy(tiles[t].spots, learned.spots.begin() + static_cast<ptrdiff_t>(first));
-      std::ranges::copy(tiles[t].anchors, learned.anchors.begin() + static_cast<ptrdiff_t>(first));
       size_t out = learned.tile_links[t].first;
       for (ReceiverLink link : tiles[t].links) {
         link.spot += static_cast<uint32_t>(first);

@@ -22,9 +22,8 @@ struct LearnedReceivers {
   dvec3 center{0};  ///< spots are (world - center) / scale, within the unit sphere
   double scale = 1;
   std::vector<CoverageReceiver> spots;
-  float mean_size = 0;  ///< of the spots: root of three times the covariance's trace
-  std::vector<CoverageAnchor> anchors;  ///< one a spot
-  std::vector<ReceiverLink> links;      ///< those of a receiver follow each other
+  float mean_size = 0;              ///< of the spots: root of three times the covariance's trace
+  std::vector<ReceiverLink> links;  ///< those of a receiver follow each other
 
   /// What belongs to a tile of the cache: first that of a quarter of its pixels, see PixelShare.
   struct Range {
@@ -38,12 +37,12 @@ struct LearnedReceivers {
   std::vector<Range> tile_links;
 
   size_t count() const { return spots.size(); }
-  uint64_t memory_bytes() const { return bytes_of(spots, anchors, links, tile_spots, tile_links); }
+  uint64_t memory_bytes() const { return bytes_of(spots, links, tile_spots, tile_links); }
 };
 
 /// On strands, samples of a receiver form one spot while they are within half a pixel of its first
 /// one. On surfaces, samples of a pixel form one, whatever receivers they belong to, while they are
-/// within 1.5 pixels on one piece of geometry or in one plane and their normals agree. Where the
+/// within 0.3 pixels on one piece of geometry or in one plane and their normals agree. Where the
 /// view has no members a receiver's footprint counts as one sample.
 ///
 /// A sample stands for its cell of the picture, a pixel over the samples in it, seen on the surface

@@ -166,7 +166,7 @@ class TreeBuilder {
   void add_leaf(uint32_t index, uint32_t begin, uint32_t end) {
     const uint32_t blocks = (end - begin + coverage_lanes - 1) / coverage_lanes;
     tree_.nodes[index].leaf = static_cast<uint32_t>(tree_.leaves.size());
-    tree_.leaves.push_back({begin, end - begin, tree_.block_count, blocks, false, 0});
+    tree_.leaves.push_back({begin, end - begin, tree_.block_count, blocks});
     tree_.block_count += blocks;
   }
 
@@ -196,7 +196,7 @@ void build_nodes(ReceiverTree& tree) {
 constexpr uint32_t fetch_ahead = 2 * coverage_lanes;
 
 void project_leaf(const LearnedReceivers& receivers, const LightViews& lights,
-                  const CoverageKernels& kernels, ReceiverTree& tree, ReceiverLeaf& leaf) {
+                  const CoverageKernels& kernels, ReceiverTree& tree, const ReceiverLeaf& leaf) {
   const uint32_t view = tree.items[leaf.first_item].key >> key_bits;
   const uint32_t end = leaf.first_item + leaf.item_count;
   uint32_t index[coverage_lanes];
@@ -206,32 +206,11 @@ void project_leaf(const LearnedReceivers& receivers, const LightViews& lights,
     for (int lane = 0; lane < count; ++lane) {
       const uint32_t item = first + static_cast<uint32_t>(lane);
       index[lane] = tree.items[item].index;
-      leaf.has_own |= receivers.spots[index[lane]].piece >= 0;
       __builtin_prefetch(&receivers.spots[tree.items[std::min(item + fetch_ahead, end - 1)].index]);
     }
     const uint32_t block = leaf.first_block + b;
     kernels.project(receivers.spots.data(), lights.views[view], index, count,
                     &tree.blocks[size_t{block} * coverage_block_floats], tree.bounds_of(block));
-  }
-}
-
-void project_own(const LearnedReceivers& receivers, const LightViews& lights,
-                 const CoverageKernels& kernels, ReceiverTree& tree, const ReceiverLeaf& leaf) {
-  const uint32_t view = tree.items[leaf.first_item].key >> key_bits;
-  uint32_t index[coverage_lanes];
-  for (uint32_t b = 0; b < leaf.block_count; ++b) {
-    const uint32_t first = b * coverage_lanes;
-    const auto count =
-        static_cast<int>(std::min<uint32_t>(coverage_lanes, leaf.item_count - first));
-    for (int lane = 0; lane < count; ++lane) {
-      const uint32_t item = first + static_cast<uint32_t>(lane);
-      const uint32_t next = std::min(item + fetch_ahead, leaf.item_count - 1);
-      index[lane] = tree.items[leaf.first_item + item].index;
-      __builtin_prefetch(&receivers.anchors[tree.items[leaf.first_item + next].index]);
-      __builtin_prefetch(&receivers.spots[tree.items[leaf.first_item + next].index]);
-    }
-    kernels.project_own(receivers.spots.data(), receivers.anchors.data(), lights.views[view], index,
-                        count, &tree.own[(size_t{leaf.first_own} + b) * own_block_floats]);
   }
 }
 
@@ -288,17 +267,6 @@ void build_receiver_tree(const LearnedReceivers& receivers, const LightViews& li
   parallel_for(tree.leaves.size(), 8, [&](size_t begin, size_t end) {
     for (size_t l = begin; l < end; ++l) {
       project_leaf(receivers, lights, kernels, tree, tree.leaves[l]);
-    }
-  });
-  uint32_t own_blocks = 0;
-  for (ReceiverLeaf& leaf : tree.leaves) {
-    leaf.first_own = own_blocks;
-    if (leaf.has_own) own_blocks += leaf.block_count;
-  }
-  tree.own.resize(size_t{own_blocks} * own_block_floats);
-  parallel_for(tree.leaves.size(), 8, [&](size_t begin, size_t end) {
-    for (size_t l = begin; l < end; ++l) {
-      if (tree.leaves[l].has_own) project_own(receivers, lights, kernels, tree, tree.leaves[l]);
     }
   });
   bound_lit_receivers(tree);

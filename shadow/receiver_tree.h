@@ -27,8 +27,6 @@ struct ReceiverLeaf {
   uint32_t item_count = 0;
   uint32_t first_block = 0;
   uint32_t block_count = 0;
-  bool has_own = false;
-  uint32_t first_own = 0;  ///< where that is so, of its blocks
 };
 
 /// Receivers of all views, sorted along a curve that fills each view's picture and by size, in
@@ -44,13 +42,12 @@ struct ReceiverTree {
   };
   std::array<View, max_light_views> views;
   std::vector<float> blocks;  ///< coverage_block_floats each
-  std::vector<float> own;     ///< own_block_floats each, of leaves with receivers on pieces
   std::vector<float> bounds[6];
   uint32_t block_count = 0;
   bool has_near = false;  ///< receivers are ReceiverState::near
 
   uint64_t memory_bytes() const {
-    uint64_t bytes = bytes_of(items, leaves, nodes, blocks, own);
+    uint64_t bytes = bytes_of(items, leaves, nodes, blocks);
     for (const auto& part : bounds) bytes += bytes_of(part);
     return bytes;
   }
