@@ -7,6 +7,8 @@
 #include "core/base/error.h"
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/viewer/display_soak.h"
 #include "tests/viewer/fake_session.h"
 #include "viewer/display/osmesa_surface.h"
 #include "viewer/display/run_viewer.h"
@@ -484,6 +486,18 @@ TEST(Offscreen, LightsOutsideThePictureMoveAsTheCamerasTargetDoes) {
               1e-4);
   EXPECT_NEAR(glm::distance(lights[1].position, left + vec3(40, 50, 0) * world_per_screen), 0,
               1e-4);
+}
+
+TEST(LiveWindow, MemoryDoesNotGrowWithEdits) {
+  const test::TemporaryFolder folder;
+  Workspace workspace(open_spheres(), {}, {.state_folder = folder.path()});
+  test::LiveWindow window(workspace);
+  const test::SoakFigures figures =
+      test::soak(window, workspace, {}, folder.path(), {.cycles = 3, .drag_moves = 6});
+  EXPECT_EQ(figures.edits, 3 * test::edits_per_cycle);
+  EXPECT_GT(figures.first_bytes, 1e6);
+  EXPECT_LE(figures.growth(), 0.01) << figures.first_bytes << " to " << figures.last_bytes;
+  EXPECT_GT(window.times().size(), 64u * 9) << "frames were drawn";
 }
 
 }  // namespace

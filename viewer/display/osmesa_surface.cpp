@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "core/base/check.h"
 #include "core/base/error.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -95,6 +96,12 @@ GlLoader OsmesaSurface::loader() const {
 
 ivec2 OsmesaSurface::size_px() const {
   return impl_->size_px;
+}
+
+void OsmesaSurface::present() {
+  const auto finish = reinterpret_cast<void (*)()>(load_gl_function("glFinish"));
+  CHECK(finish != nullptr);
+  finish();
 }
 
 void OsmesaSurface::resize(ivec2 size_px) {

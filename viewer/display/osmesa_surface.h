@@ -17,7 +17,8 @@ class OsmesaSurface final : public Surface {
   GlLoader loader() const override;
   ivec2 size_px() const override;
   void resize(ivec2 size_px) override;
-  void present() override {}
+  /// Waits until everything is drawn: what drawing needs is kept until then.
+  void present() override;
 
  private:
   struct Impl;
