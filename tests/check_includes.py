@@ -45,7 +45,7 @@ LIBRARIES = {
     r"glm/": ["core/math/vec.h"],
     r"(GLFW|backends/imgui_impl_glfw)": ["viewer/display/glfw_window.cpp"],
     r"GL/osmesa": ["viewer/display/osmesa_surface.cpp"],
-    r"imgui": ["viewer/display/", "viewer/panels/"],
+    r"imgui": ["viewer/display/", "viewer/panels/", "tests/viewer/display_"],
     r"GL/gl": ["viewer/display/"],
 }
 

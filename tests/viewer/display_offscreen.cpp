@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <imgui.h>
 
 #include <fstream>
 #include <sstream>
@@ -442,7 +443,7 @@ TEST(Offscreen, LargerScaleMakesLargerControls) {
   for (const int scale : {1, 2}) {
     Workspace workspace(std::make_unique<Session>(make_fake_parts()));
     OsmesaSurface surface(ivec2(1280, 800) * scale);
-    const GlTable gl = load_gl_table(surface.loader());
+    GlTable gl = load_gl_table(surface.loader());
     Screen screen(workspace, gl, {.scale = static_cast<float>(scale), .show_timings = false});
     play_script(parse_script("wait", "test"), workspace, screen, gl, surface, {});
     const auto rect = screen.ui().items.find("view.exposure");
@@ -486,6 +487,113 @@ TEST(Offscreen, LightsOutsideThePictureMoveAsTheCamerasTargetDoes) {
               1e-4);
   EXPECT_NEAR(glm::distance(lights[1].position, left + vec3(40, 50, 0) * world_per_screen), 0,
               1e-4);
+}
+
+TEST(Offscreen, SurvivesThatTheContextIsLost) {
+  Stage stage;
+  stage.play("key c\nkey -\nkey w\nkey ?\nmove 5 795");
+  const DisplayImage before = stage.look();
+  stage.play("renew-context");
+  EXPECT_EQ(stage.look().pixels, before.pixels) << "picture, snapshot, panels and text";
+  stage.play(
+      "key ?\ndrag handle.1 60 20\nrenew-context\nresize 1 1\nrenew-context\nresize 1280 800");
+  EXPECT_NE(stage.look().pixels, before.pixels);
+}
+
+/// A window of which a test says what arrives.
+class ScriptedWindow final : public EventSurface {
+ public:
+  /// Something arrives in `events` waits, one after the other; in the `idle` that follow nothing
+  /// does; then it is closed. The context is lost at frame `lost_at`.
+  ScriptedWindow(int events, int idle, int lost_at = -1)
+      : events_(events), idle_(idle), lost_at_(lost_at), surface_({640, 480}) {}
+
+  GlLoader loader() const override { return surface_.loader(); }
+  ivec2 size_px() const override { return surface_.size_px(); }
+  void resize(ivec2 size_px) override { surface_.resize(size_px); }
+  void renew_context() override {
+    surface_.renew_context();
+    is_lost_ = false;
+    ++contexts;
+  }
+  void present() override {
+    surface_.present();
+    is_lost_ = frames == lost_at_;
+    ++frames;
+  }
+  bool should_close() const override { return waits >= events_ + idle_; }
+  bool is_context_lost() const override { return is_lost_; }
+  void begin_frame() override {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = ImVec2(640, 480);
+    io.DeltaTime = 1.0f / 60;
+    io.MousePos = pointer;
+  }
+  bool has_pending_keys() const override { return false; }
+  void poll_events() override {}
+  bool wait_events(double) override {
+    if (++waits > events_) return false;
+    frames_at_last_event = frames;
+    return true;
+  }
+
+  int frames = 0;
+  int waits = 0;
+  int contexts = 1;
+  int frames_at_last_event = 0;
+  ImVec2 pointer{5, 470};
+
+ private:
+  int events_;
+  int idle_;
+  int lost_at_;
+  bool is_lost_ = false;
+  OsmesaSurface surface_;
+};
+
+struct IdleRun {
+  explicit IdleRun(ScriptedWindow& window)
+      : workspace(std::make_unique<Session>(make_fake_parts())),
+        gl(load_gl_table(window.loader())),
+        screen(workspace, gl, {.scale = 1, .show_timings = true}) {
+    ImGuiIO& io = ImGui::GetIO();
+    for (int key = 0; key < ImGuiKey_COUNT; ++key) io.KeyMap[key] = key;
+    workspace.wait(true);
+    run_events(workspace, screen, window);
+  }
+  Workspace workspace;
+  GlTable gl;
+  Screen screen;
+};
+
+TEST(EventLoop, DrawsNothingWhileNothingHappens) {
+  ScriptedWindow window(10, 500);
+  const IdleRun run(window);
+  EXPECT_EQ(window.waits, 510);
+  EXPECT_GE(window.frames, 10);
+  EXPECT_LE(window.frames - window.frames_at_last_event, 5) << "the panels settle, no more";
+}
+
+TEST(EventLoop, DrawsUntilATipIsThereAndNoLonger) {
+  vec2 place(0);
+  const auto run_at = [&place](vec2 pointer) {
+    ScriptedWindow window(1, 200);
+    window.pointer = ImVec2(pointer.x, pointer.y);
+    const IdleRun run(window);
+    place = run.screen.ui().items.find("view.frame")->center();
+    return window.frames - window.frames_at_last_event;
+  };
+  const int beside = run_at({5, 470});
+  const int at_a_tip = run_at(place);
+  EXPECT_GT(at_a_tip, beside + 20) << "0.6 s at 60 frames a second";
+  EXPECT_LT(at_a_tip, beside + 60);
+}
+
+TEST(EventLoop, GoesOnInANewContextWhenOneIsLost) {
+  ScriptedWindow window(6, 3, 4);
+  const IdleRun run(window);
+  EXPECT_EQ(window.contexts, 2);
+  EXPECT_GT(window.frames, 7);
 }
 
 TEST(LiveWindow, MemoryDoesNotGrowWithEdits) {

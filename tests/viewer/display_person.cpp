@@ -35,7 +35,7 @@ vec2 first_handle() {
   Workspace workspace(std::unique_ptr<Session>(
       new Session(make_session(std::move(scene), std::move(tracer), std::move(cache), {}))));
   OsmesaSurface surface({1280, 800});
-  const GlTable gl = load_gl_table(surface.loader());
+  GlTable gl = load_gl_table(surface.loader());
   Screen screen(workspace, gl, {.scale = 1, .show_timings = false});
   play_script(parse_script("wait", "test"), workspace, screen, gl, surface, {});
   return screen.ui().items.find("handle.1").value_or(Rect{}).center();

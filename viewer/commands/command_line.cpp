@@ -167,6 +167,10 @@ void add_view(CLI::App& app, Parsed& p) {
       ->check(CLI::Range(0.0, 1e6));
   sub.add_flag("--keep-records", p.view.keep_records,
                "do not replace the picture at rest by all samples with traced shadows");
+  sub.add_option("--scale", p.view.scale,
+                 "size of text and controls, 1 = 96 dpi; 0 = as the display asks for")
+      ->check(CLI::IsMember({0.0}) | CLI::Range(0.5, 4.0))
+      ->capture_default_str();
   sub.add_option("--script", p.view.script, "scripted input (docs/viewer-scripts.md)");
   add_label(sub, "--shadow", p.view.shadow, shadow_method_labels, "shadow method");
   add_prepare(sub, p.view.prepare);

@@ -37,6 +37,7 @@ struct ViewOptions {
   ShadowMethod shadow = ShadowMethod::ray;
   std::optional<float> frame_ms;  ///< nothing: 40 ms, for scenes as they are prepared
   bool keep_records = false;      ///< the picture at rest is not refined
+  float scale = 0;                ///< of text and controls; 0 = as the display asks for
   PrepareOptions prepare;
 };
 

@@ -1,4 +1,5 @@
 #include "core/base/error.h"
+#include "core/shade/shaders.h"
 #include "viewer/commands/commands.h"
 #include "viewer/commands/relight_input.h"
 #if defined(RELUME_HAS_VIEWER)
@@ -10,6 +11,9 @@ namespace relume {
 namespace {
 
 #if defined(RELUME_HAS_VIEWER)
+/// Any budget: a forecast is for all of them.
+constexpr RecordChoice any_records{.average = 8};
+
 /// Prepares every sample of the session's scene for the reference.
 auto make_reference_maker(const Session& session, const SessionFile& file,
                           const CommonOptions& common) {
@@ -22,6 +26,38 @@ auto make_reference_maker(const Session& session, const SessionFile& file,
     return make_cache_source(prepare_in_memory(tracer.scene(), tracer, params, progress), &tracer,
                              ShadowMethod::ray);
   };
+}
+
+/// Prepares the session's scene again; nothing where the input's samples were not reduced. What
+/// comes of a session that is closed meanwhile is thrown away before its scene is.
+RecordSource make_record_source(const Session& session, const SessionFile& file,
+                                CommonOptions common) {
+  const bool is_cache = is_cache_path(file.input);
+  const CacheInfo& info = session.cache()->info();
+  const auto options = is_cache ? options_of(info) : std::optional(file.prepare);
+  const bool is_reduced = options_of(info).has_value();
+  if (!is_reduced || session.tracer() == nullptr) return {};
+  if (is_cache) common.seed = info.seed;
+  const PrepareOptions base = chosen_options(*options, info);
+  const Tracer& tracer = *session.tracer();
+  RecordSource source;
+  source.forecast = [&tracer,
+                     params = make_prepare_params(with_records(base, any_records), common)](
+                        const ProgressCallback& progress) {
+    return forecast_scene(tracer.scene(), tracer, params, progress);
+  };
+  source.prepare = [&tracer, base, common, is_cache, input = file.input](
+                       const RecordChoice& choice, float record_cost,
+                       const ProgressCallback& progress) {
+    if (is_cache && !choice.is_set()) {
+      return make_session_records(RelightCache::open(input, shader_table()), &tracer);
+    }
+    PrepareParams params = make_prepare_params(with_records(base, choice), common);
+    params.record_cost = choice.is_set() ? record_cost : 0;
+    return make_session_records(prepare_in_memory(tracer.scene(), tracer, params, progress),
+                                &tracer);
+  };
+  return source;
 }
 
 void apply_options(const ViewOptions& options, ViewState& view) {
@@ -39,6 +75,7 @@ OpenedInput start_session(RelightInput input, const SessionFile& file, const Vie
   apply_options(options, opened.session->view());
   if (opened.session->tracer() != nullptr) {
     opened.make_reference = make_reference_maker(*opened.session, file, common);
+    opened.records = make_record_source(*opened.session, file, common);
   }
   return opened;
 }
@@ -51,7 +88,8 @@ InputOpener make_opener(const ViewOptions& options, const CommonOptions& asked) 
     const OpenHooks hooks{progress, [&preview](const ViewSampler& view, const SampleTile& records) {
                             preview.add_tile(view, records);
                           }};
-    return start_session(open_input(file.input, file.prepare, true, common, hooks), file, options,
+    const PrepareOptions prepare = with_records(file.prepare, file.view.records);
+    return start_session(open_input(file.input, prepare, true, common, hooks), file, options,
                          common);
   };
 }
@@ -92,9 +130,13 @@ int run_view([[maybe_unused]] const ViewOptions& options,
   Workspace workspace(make_opener(options, common), options.input,
                       workspace_options(options, common));
   if (options.offscreen) {
-    return run_offscreen(workspace, script.value_or(default_script()), *options.offscreen);
+    const float scale = options.scale > 0 ? options.scale : 1;
+    return run_offscreen(workspace, script.value_or(default_script()), *options.offscreen,
+                         {.size_px = ivec2(scale * vec2(1280, 800)), .ui_scale = scale});
   }
-  return run_window(workspace, {});
+  WindowOptions window;
+  window.ui_scale = options.scale;
+  return run_window(workspace, window);
 #else
   throw no_viewer();
 #endif

@@ -32,24 +32,48 @@ bool display_available() {
   return true;
 }
 
-GlfwWindow::GlfwWindow(const std::string& title, ivec2 size) {
+GlfwWindow::GlfwWindow(const std::string& title, ivec2 size) : title_(title) {
   if (!glfwInit()) {
     throw output_error("window", glfw_problem("there is no display"), offscreen_mend);
   }
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  try {
+    open(size);
+  } catch (...) {
+    glfwTerminate();
+    throw;
+  }
+}
+
+/// A context that tells when it was lost, where the driver can.
+GLFWwindow* GlfwWindow::create(ivec2 size) const {
+  for (const int robustness : {GLFW_LOSE_CONTEXT_ON_RESET, GLFW_NO_ROBUSTNESS}) {
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, robustness);
+    GLFWwindow* window = glfwCreateWindow(size.x, size.y, title_.c_str(), nullptr, nullptr);
+    if (window != nullptr) return window;
+  }
+  return nullptr;
+}
+
+void GlfwWindow::open(ivec2 size) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
-  window_ = glfwCreateWindow(size.x, size.y, title.c_str(), nullptr, nullptr);
+  window_ = create(size);
   if (window_ == nullptr) {
-    const std::string problem = glfw_problem("it cannot be opened");
-    glfwTerminate();
-    throw output_error("window", problem, offscreen_mend);
+    throw output_error("window", glfw_problem("it cannot be opened"), offscreen_mend);
   }
   glfwMakeContextCurrent(window_);
+  for (const char* name :
+       {"glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR"}) {
+    const bool has_it = glfwGetWindowAttrib(window_, GLFW_CONTEXT_ROBUSTNESS) != GLFW_NO_ROBUSTNESS;
+    if (reset_status_ == nullptr && has_it) {
+      reset_status_ = reinterpret_cast<unsigned (*)()>(glfwGetProcAddress(name));
+    }
+  }
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, [](GLFWwindow* handle, int key, int, int action, int modifiers) {
@@ -62,9 +86,34 @@ GlfwWindow::GlfwWindow(const std::string& title, ivec2 size) {
   });
 }
 
-GlfwWindow::~GlfwWindow() {
+void GlfwWindow::close() {
+  reset_status_ = nullptr;
   glfwDestroyWindow(window_);
+  window_ = nullptr;
+}
+
+GlfwWindow::~GlfwWindow() {
+  close();
   glfwTerminate();
+}
+
+void GlfwWindow::renew_context() {
+  ivec2 size(1);
+  ivec2 position(0);
+  glfwGetWindowSize(window_, &size.x, &size.y);
+  glfwGetWindowPos(window_, &position.x, &position.y);
+  const bool had_input = has_input_;
+  if (had_input) disconnect_input();
+  close();
+  // The size is as the window had it, already scaled.
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_FALSE);
+  open(size);
+  glfwSetWindowPos(window_, position.x, position.y);
+  if (had_input) connect_input();
+}
+
+bool GlfwWindow::is_context_lost() const {
+  return reset_status_ != nullptr && reset_status_() != 0;
 }
 
 GlLoader GlfwWindow::loader() const {
@@ -105,10 +154,12 @@ bool GlfwWindow::should_close() const {
 
 void GlfwWindow::connect_input() {
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
+  has_input_ = true;
 }
 
 void GlfwWindow::disconnect_input() {
   ImGui_ImplGlfw_Shutdown();
+  has_input_ = false;
 }
 
 void GlfwWindow::begin_frame() {

@@ -4,6 +4,7 @@
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 
+#include <utility>
 #include <vector>
 
 #include "core/base/check.h"
@@ -59,15 +60,7 @@ GlFunction load_gl_function(const char* name) {
   return osmesa().get_function(name);
 }
 
-}  // namespace
-
-struct OsmesaSurface::Impl {
-  OSMesaContext context = nullptr;
-  ivec2 size_px{0};
-  std::vector<uint8_t> pixels;
-};
-
-OsmesaSurface::OsmesaSurface(ivec2 size_px) : impl_(std::make_unique<Impl>()) {
+OSMesaContext make_context() {
   const int attributes[] = {OSMESA_FORMAT,
                             OSMESA_RGBA,
                             OSMESA_PROFILE,
@@ -78,16 +71,39 @@ OsmesaSurface::OsmesaSurface(ivec2 size_px) : impl_(std::make_unique<Impl>()) {
                             3,
                             0,
                             0};
-  impl_->context = osmesa().create_context(attributes, nullptr);
-  if (impl_->context == nullptr) {
+  OSMesaContext context = osmesa().create_context(attributes, nullptr);
+  if (context == nullptr) {
     throw output_error("off-screen drawing", "there is no OpenGL 3.3 context", install_mend);
   }
+  return context;
+}
+
+void destroy_context(OSMesaContext context) {
+  osmesa().make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0);
+  if (context != nullptr) osmesa().destroy_context(context);
+}
+
+}  // namespace
+
+struct OsmesaSurface::Impl {
+  OSMesaContext context = nullptr;
+  ivec2 size_px{0};
+  std::vector<uint8_t> pixels;
+};
+
+OsmesaSurface::OsmesaSurface(ivec2 size_px) : impl_(std::make_unique<Impl>()) {
+  impl_->context = make_context();
   resize(size_px);
 }
 
 OsmesaSurface::~OsmesaSurface() {
-  osmesa().make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0);
-  osmesa().destroy_context(impl_->context);
+  destroy_context(impl_->context);
+}
+
+void OsmesaSurface::renew_context() {
+  destroy_context(std::exchange(impl_->context, nullptr));
+  impl_->context = make_context();
+  resize(impl_->size_px);
 }
 
 GlLoader OsmesaSurface::loader() const {

@@ -17,6 +17,7 @@ class OsmesaSurface final : public Surface {
   GlLoader loader() const override;
   ivec2 size_px() const override;
   void resize(ivec2 size_px) override;
+  void renew_context() override;
   /// Waits until everything is drawn: what drawing needs is kept until then.
   void present() override;
 

@@ -44,27 +44,6 @@ std::pair<uint64_t, uint64_t> picture_version(const Workspace& workspace) {
           session != nullptr ? session->picture().version : workspace.preview().version};
 }
 
-void run_events(Workspace& workspace, Screen& screen, GlfwWindow& window) {
-  int frames_due = 1 + settle_frames;
-  while (!window.should_close() && !screen.quit() && !interrupted()) {
-    if (frames_due > 0) {
-      window.poll_events();
-    } else {
-      const bool arrived = window.wait_events(idle_wake_s);
-      if (!arrived && !screen.has_caret()) continue;
-      frames_due = arrived ? 1 + settle_frames : 1;
-    }
-    const auto shown = picture_version(workspace);
-    window.begin_frame();
-    screen.draw(window.size_px());
-    window.present();
-    --frames_due;
-    if (picture_version(workspace) != shown) frames_due = std::max(frames_due, settle_frames);
-    if (window.has_pending_keys()) frames_due = std::max(frames_due, 1);
-    workspace.require_session();
-  }
-}
-
 std::string window_title(const Workspace& workspace) {
   const Session* session = workspace.session();
   const std::string name =
@@ -74,9 +53,34 @@ std::string window_title(const Workspace& workspace) {
 
 }  // namespace
 
+void run_events(Workspace& workspace, Screen& screen, EventSurface& window) {
+  int frames_due = 1 + settle_frames;
+  while (!window.should_close() && !screen.quit() && !interrupted()) {
+    if (frames_due > 0) {
+      window.poll_events();
+    } else {
+      const bool arrived = window.wait_events(idle_wake_s);
+      if (!arrived && !screen.changes_by_itself()) continue;
+      frames_due = arrived ? 1 + settle_frames : 1;
+    }
+    const auto shown = picture_version(workspace);
+    window.begin_frame();
+    screen.draw(window.size_px());
+    window.present();
+    if (window.is_context_lost()) {
+      screen.renew_context(window);
+      frames_due = 1 + settle_frames;
+    }
+    --frames_due;
+    if (picture_version(workspace) != shown) frames_due = std::max(frames_due, settle_frames);
+    if (window.has_pending_keys()) frames_due = std::max(frames_due, 1);
+    workspace.require_session();
+  }
+}
+
 int run_window(Workspace& workspace, const WindowOptions& options) {
   GlfwWindow window(window_title(workspace), options.size);
-  const GlTable gl = load_gl_table(window.loader());
+  GlTable gl = load_gl_table(window.loader());
   const float scale = options.ui_scale > 0 ? options.ui_scale : window.ui_scale();
   Screen screen(workspace, gl, {.scale = scale, .show_timings = !options.script});
   if (options.script) {
@@ -95,7 +99,7 @@ int run_offscreen(Workspace& workspace, const Script& script, const std::filesys
   workspace.require_session();
   make_folder(folder);
   OsmesaSurface surface(options.size_px);
-  const GlTable gl = load_gl_table(surface.loader());
+  GlTable gl = load_gl_table(surface.loader());
   Screen screen(workspace, gl, {.scale = options.ui_scale, .show_timings = false});
   play_script(script, workspace, screen, gl, surface, folder);
   return 0;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "viewer/display/glfw_window.h"
+#include "viewer/display/screen.h"
 #include "viewer/display/script.h"
 #include "viewer/session/workspace.h"
 
@@ -20,6 +21,10 @@ struct WindowOptions {
 /// exit code. Throws Error(output) when there is no display (see display_available()), and what
 /// the first input failed with when it could not be opened.
 int run_window(Workspace& workspace, const WindowOptions& options);
+
+/// Draws and listens until the window is closed, the person leaves or the program is interrupted.
+/// While nothing happens nothing is drawn. Throws what the first input failed with.
+void run_events(Workspace& workspace, Screen& screen, EventSurface& window);
 
 struct OffscreenOptions {
   ivec2 size_px{1280, 800};

@@ -2,6 +2,9 @@
 
 #include <imgui.h>
 
+#include <utility>
+
+#include "core/base/check.h"
 #include "viewer/panels/compare_panel.h"
 #include "viewer/panels/inspector.h"
 #include "viewer/panels/keys.h"
@@ -18,12 +21,6 @@ namespace {
 
 constexpr float background = 0.085f;  // sRGB-encoded, around the picture
 
-/// The fonts have to stand before the renderer uploads them.
-const GlTable& with_theme(const GlTable& gl, float scale) {
-  apply_theme(scale);
-  return gl;
-}
-
 }  // namespace
 
 Screen::Context::Context() {
@@ -38,13 +35,11 @@ Screen::Context::~Context() {
   ImGui::DestroyContext();
 }
 
-Screen::Screen(Workspace& workspace, const GlTable& gl, const ScreenOptions& options)
-    : workspace_(workspace),
-      gl_(gl),
-      frame_view_(gl),
-      snapshot_view_(gl),
-      ui_renderer_(with_theme(gl, options.scale)) {
+Screen::Screen(Workspace& workspace, GlTable& gl, const ScreenOptions& options)
+    : workspace_(workspace), gl_(gl) {
   ui_.show_timings = options.show_timings;
+  apply_theme(options.scale);
+  painters_.emplace(gl_);
 }
 
 Screen::~Screen() = default;
@@ -55,11 +50,19 @@ bool Screen::resting() const {
   return !dragging && !ui_.nudging && !ImGui::IsAnyItemActive();
 }
 
-bool Screen::has_caret() const {
-  return ImGui::GetIO().WantTextInput;
+bool Screen::changes_by_itself() const {
+  return ImGui::GetIO().WantTextInput || is_tip_due(ui_);
+}
+
+void Screen::renew_context(Surface& surface) {
+  painters_.reset();
+  surface.renew_context();
+  gl_ = load_gl_table(surface.loader());
+  painters_.emplace(gl_);
 }
 
 void Screen::draw(ivec2 size_px) {
+  CHECK(painters_.has_value());
   ImGui::NewFrame();
   build();
   ImGui::Render();
@@ -70,12 +73,13 @@ void Screen::draw(ivec2 size_px) {
   gl_.ClearColor(background, background, background, 1);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   draw_picture(size_px);
-  ui_renderer_.draw(*ImGui::GetDrawData());
+  painters_->ui.draw(*ImGui::GetDrawData());
 }
 
 void Screen::build() {
   const ImGuiIO& io = ImGui::GetIO();
   ui_.items.clear();
+  ui_.tip = std::exchange(ui_.next_tip, {});
   handle_keys(ui_, workspace_);
   ui_.layout = make_layout(from_im(io.DisplaySize), ImGui::GetFontSize(), ui_.show_panel);
   if (Session* session = workspace_.session()) {
@@ -105,7 +109,7 @@ void Screen::build_session(Session& session) {
   tool_bar(ui_, session);
   if (!ui_.show_panel) return;
   begin_fixed_window("panel", ui_.layout.panel);
-  view_panel(ui_, session);
+  view_panel(ui_, workspace_);
   compare_panel(ui_, session);
   ImGui::Separator();
   light_panel(ui_, session);
@@ -118,17 +122,18 @@ const Picture& Screen::picture() const {
 }
 
 void Screen::draw_picture(ivec2 size_px) {
-  if (drawn_session_ != workspace_.session_number()) frame_view_.forget();
+  if (drawn_session_ != workspace_.session_number()) painters_->frame.forget();
   drawn_session_ = workspace_.session_number();
   const vec2 scale = from_im(ImGui::GetIO().DisplayFramebufferScale);
   const Placement& placement = ui_.placement;
   const vec2 picture_px(picture().width, picture().height);
   const Rect target{placement.origin * scale, placement.screen_from_film(picture_px) * scale};
   const Rect clip{placement.area.min * scale, placement.area.max * scale};
-  frame_view_.draw(picture(), target, clip, size_px);
+  painters_->frame.draw(picture(), target, clip, size_px);
   const Rect part = snapshot_area(ui_);
   if (const Snapshot* snapshot = ui_.snapshots.current(); snapshot && part.size().x > 0) {
-    snapshot_view_.draw(snapshot->picture, target, {part.min * scale, part.max * scale}, size_px);
+    painters_->snapshot.draw(snapshot->picture, target, {part.min * scale, part.max * scale},
+                             size_px);
   }
 }
 

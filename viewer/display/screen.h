@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "viewer/display/frame_view.h"
+#include "viewer/display/surface.h"
 #include "viewer/display/ui_renderer.h"
 #include "viewer/panels/ui_state.h"
 #include "viewer/session/workspace.h"
@@ -16,7 +19,8 @@ struct ScreenOptions {
 /// panels over it. Owns the ImGui context; at most one at a time. Needs the OpenGL context current.
 class Screen {
  public:
-  Screen(Workspace& workspace, const GlTable& gl, const ScreenOptions& options);
+  /// `gl` is loaded anew by renew_context().
+  Screen(Workspace& workspace, GlTable& gl, const ScreenOptions& options);
   ~Screen();
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
@@ -25,14 +29,17 @@ class Screen {
   /// ImGui's display size, time step and input. Draws nothing when the framebuffer is empty.
   void draw(ivec2 size_px);
 
+  /// Gives `surface`, the one that this draws to, a new context and makes everything in it anew.
+  void renew_context(Surface& surface);
+
   /// Where things stood in the last frame.
   const UiState& ui() const { return ui_; }
   /// No light is being dragged or edited.
   bool resting() const;
   /// The person asked to leave.
   bool quit() const { return ui_.quit; }
-  /// A text field has the keyboard, so the caret has to blink.
-  bool has_caret() const;
+  /// Frames are due though nothing happens: a caret blinks, or a tip will come.
+  bool changes_by_itself() const;
 
  private:
   /// An ImGui context that lives as long as this.
@@ -49,13 +56,18 @@ class Screen {
   const Picture& picture() const;
 
   Workspace& workspace_;
-  const GlTable& gl_;
+  GlTable& gl_;
   Context context_;
   UiState ui_;
-  FrameView frame_view_;
-  FrameView snapshot_view_;
-  uint64_t drawn_session_ = 0;  ///< whose picture frame_view_ holds; 0 = the preview
-  UiRenderer ui_renderer_;
+  /// What lives in the OpenGL context.
+  struct Painters {
+    explicit Painters(const GlTable& gl) : frame(gl), snapshot(gl), ui(gl) {}
+    FrameView frame;
+    FrameView snapshot;
+    UiRenderer ui;
+  };
+  std::optional<Painters> painters_;  ///< always there but while the context is renewed
+  uint64_t drawn_session_ = 0;        ///< whose picture painters_ holds; 0 = the preview
 };
 
 }  // namespace relume

@@ -128,6 +128,7 @@ ScriptStep read_step(const Line& line) {
     case StepKind::press:
     case StepKind::release:
     case StepKind::wait:
+    case StepKind::renew_context:
       line.require_arguments(0, "the word alone");
       break;
   }

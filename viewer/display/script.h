@@ -17,15 +17,16 @@ enum class StepKind {
   move_by,  ///< the pointer by `position`
   press,    ///< the left button
   release,
-  click,       ///< moves to `item` (or `position`), presses and releases
-  drag,        ///< from `item` by `position`, in four moves
-  wheel,       ///< turns the wheel by position.x notches
-  key,         ///< presses the key named `text`, or types its one character
-  type,        ///< types `text`
-  drop,        ///< drops the file `text` on the window
-  wait,        ///< until picture and panels show what was asked for
-  resize,      ///< the window to `position`
-  screenshot,  ///< writes the window to the file `text` (.png)
+  click,          ///< moves to `item` (or `position`), presses and releases
+  drag,           ///< from `item` by `position`, in four moves
+  wheel,          ///< turns the wheel by position.x notches
+  key,            ///< presses the key named `text`, or types its one character
+  type,           ///< types `text`
+  drop,           ///< drops the file `text` on the window
+  wait,           ///< until picture and panels show what was asked for
+  resize,         ///< the window to `position`
+  renew_context,  ///< as after the driver lost the OpenGL context
+  screenshot,     ///< writes the window to the file `text` (.png)
 };
 
 inline constexpr std::array step_kind_labels = {
@@ -41,6 +42,7 @@ inline constexpr std::array step_kind_labels = {
     Label<StepKind>{StepKind::drop, "drop"},
     Label<StepKind>{StepKind::wait, "wait"},
     Label<StepKind>{StepKind::resize, "resize"},
+    Label<StepKind>{StepKind::renew_context, "renew-context"},
     Label<StepKind>{StepKind::screenshot, "screenshot"},
 };
 
@@ -65,7 +67,7 @@ struct Script {
 ///     release                       resize WIDTH HEIGHT
 ///     key KEY                       wait
 ///     type TEXT                     screenshot FILE.png
-///     drop PATH
+///     drop PATH                     renew-context
 ///
 /// KEY is a character, or ctrl+LETTER, or the name of a key such as enter or page-up, both with
 /// shift+ where wanted. TEXT and PATH go to the end of the line.

@@ -187,6 +187,9 @@ class Player {
         return settle();
       case StepKind::resize:
         return resize(step.position);
+      case StepKind::renew_context:
+        screen_.renew_context(surface_);
+        return settle();
       case StepKind::screenshot:
         return screenshot(step.text);
     }

@@ -10,6 +10,7 @@ namespace {
 
 constexpr float exposure_step = 0.5f;  // stops
 constexpr float gain_step = 0.25f;     // stops
+constexpr float trade_step = 0.125f;
 
 Light* selected_light(Workspace& workspace) {
   ViewState& view = workspace.session()->view();
@@ -77,6 +78,16 @@ bool has_undo(const Workspace& workspace) {
 }
 bool has_redo(const Workspace& workspace) {
   return workspace.history().can_redo();
+}
+
+bool can_trade(const Workspace& workspace) {
+  return workspace.session() != nullptr && workspace.can_trade();
+}
+void step_trade(Workspace& workspace, float step) {
+  ViewState& view = workspace.session()->view();
+  view.trade.kind = TradeKind::level;
+  view.trade.level = std::clamp(view.trade.level + step, 0.0f, 1.0f);
+  apply_trade(view);
 }
 
 using enum ActionGroup;
@@ -332,6 +343,21 @@ constexpr std::array actions = {
            "z",
            [](UiState&, Workspace& w) { w.session()->view().zoom = 0; },
            nullptr},
+
+    Action{view,
+           "quicker",
+           "Quicker frames, more error",
+           {.character = '<'},
+           "<",
+           [](UiState&, Workspace& w) { step_trade(w, -trade_step); },
+           can_trade},
+    Action{view,
+           "closer",
+           "Closer to exact, slower",
+           {.character = '>'},
+           ">",
+           [](UiState&, Workspace& w) { step_trade(w, trade_step); },
+           can_trade},
 
     Action{window,
            "inspector",

@@ -31,8 +31,8 @@ void snapshot_buttons(UiState& ui) {
 void compare_panel(UiState& ui, Session& session) {
   const bool has_any = ui.snapshots.current() != nullptr;
   const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
-  const float width = button_width(4);
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "SNAPSHOTS");
+  const float width = button_width(4);
   if (segment_button("take", false, true, width)) ui.snapshots.take(session);
   note_item(ui, "snapshot.take");
   ImGui::SameLine(0, gap);

@@ -60,6 +60,12 @@ struct FileDialog {
   bool is_new = false;  ///< opened since the last frame
 };
 
+/// What the pointer stays on.
+struct Tip {
+  std::string item;  ///< empty: nothing that has a tip
+  float seconds = 0;
+};
+
 /// The user interface's own state: nothing that a session would save.
 struct UiState {
   ItemTable items;
@@ -69,6 +75,8 @@ struct UiState {
   FileDialog dialog;
   bool show_timings = true;  ///< off in scripted runs, whose pictures must not depend on the clock
   bool show_help = false;
+  Tip tip;       ///< as of the last frame
+  Tip next_tip;  ///< of the frame that is being built
   bool show_panel = true;
   Snapshots snapshots;
   uint64_t snapshots_of = 0;        ///< number of the session that they are of

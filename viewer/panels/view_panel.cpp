@@ -142,7 +142,7 @@ void picture_keys(const UiState& ui, const Session& session) {
   }
 }
 
-/// What speed may cost.
+/// When frames are coarse, and what follows at rest.
 void budget_rows(UiState& ui, Session& session) {
   ViewState& view = session.view();
   row_label("coarse at");
@@ -155,6 +155,91 @@ void budget_rows(UiState& ui, Session& session) {
   if (!session.info().has_reference) return;
   ImGui::Checkbox("all samples, traced, at rest", &view.refine);
   note_item(ui, "view.refine");
+}
+
+/// A slider over a positive quantity. True when it changed it.
+bool trade_slider(const char* id, float& value, float low, float high, const char* format,
+                  bool is_logarithmic) {
+  float edited = value;
+  const ImGuiSliderFlags scale =
+      is_logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None;
+  if (!ImGui::SliderFloat(id, &edited, low, high, format, ImGuiSliderFlags_AlwaysClamp | scale) ||
+      !is_finite(edited)) {
+    return false;
+  }
+  value = edited;
+  return true;
+}
+
+/// The one value of the trade's kind.
+bool trade_value(UiState& ui, Trade& trade) {
+  bool changed = false;
+  float percent = 100 * trade.target_error;
+  switch (trade.kind) {
+    case TradeKind::manual:
+      return false;
+    case TradeKind::level:
+      row_label("trade");
+      changed = trade_slider("##level", trade.level, 0, 1, "fastest  -  exact", false);
+      if (trade.level >= exact_level) trade.level = 1;
+      note_item(ui, "trade.value");
+      return changed;
+    case TradeKind::time:
+      row_label("one move");
+      changed = trade_slider("##move_ms", trade.move_ms, 1, largest_frame_ms, "%.1f ms", true);
+      note_item(ui, "trade.value");
+      return changed;
+    case TradeKind::error:
+      row_label("error");
+      changed = trade_slider("##target_error", percent, 0.01f, 30, "%.2f %%", true);
+      if (changed) trade.target_error = percent / 100;
+      note_item(ui, "trade.value");
+      return changed;
+  }
+  return false;
+}
+
+std::string records_name(const RecordChoice& records) {
+  return records.is_set() ? fmt::format("{:.2g} records, {}", records.average,
+                                        label_of(cache_format_labels, records.format))
+                          : "records as opened";
+}
+
+/// What the trade has come to, and what is still to come.
+std::string trade_text(const UiState& ui, const Workspace& workspace) {
+  const ViewState& view = workspace.session()->view();
+  if (!workspace.can_trade()) return "these records cannot be prepared again";
+  const LoadStatus status = workspace.trade_status();
+  const std::string percent =
+      ui.show_timings && status.working ? fmt::format(" {:.0f} %", 100 * status.fraction) : "";
+  const bool is_planned = view.records == workspace.records();
+  const std::optional<TradePlan>& plan = workspace.trade_plan();
+  if (!plan) {
+    const bool is_open = view.records.is_set() && is_planned;
+    return is_open ? records_name(view.records) : "measuring this view" + percent;
+  }
+  std::string text = plan->is_met ? "" : "at best ";
+  text += records_name(plan->records);
+  if (!is_planned) return text + ": preparing" + percent;
+  if (ui.show_timings) text += fmt::format(", {:.1f} ms", plan->move_ms);
+  return text + fmt::format(", error {:.2g} %", 100 * plan->error);
+}
+
+/// Time against error: by one value, or each setting by itself.
+void trade_rows(UiState& ui, Workspace& workspace) {
+  ViewState& view = workspace.session()->view();
+  Trade& trade = view.trade;
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "SPEED AGAINST ERROR");
+  const bool chosen = choose(ui, "trade", trade_kind_labels, trade.kind, [&](TradeKind kind) {
+    return kind == TradeKind::manual || workspace.can_trade();
+  });
+  if (trade_value(ui, trade) || chosen) apply_trade(view);
+  if (trade.kind == TradeKind::manual && !view.records.is_set()) return;
+  const std::string text = trade_text(ui, workspace);
+  const bool is_missed = workspace.trade_plan() && !workspace.trade_plan()->is_met;
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(is_missed ? accent_color : dim_color), "%s",
+                     text.c_str());
+  note_item(ui, "trade.plan");
 }
 
 /// The tone curve, or false colour in its place.
@@ -221,7 +306,8 @@ void status_line(UiState& ui, const Workspace& workspace) {
 
 }  // namespace
 
-void view_panel(UiState& ui, Session& session) {
+void view_panel(UiState& ui, Workspace& workspace) {
+  Session& session = *workspace.session();
   ViewState& view = session.view();
   const SessionInfo& info = session.info();
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "PICTURE");
@@ -249,7 +335,8 @@ void view_panel(UiState& ui, Session& session) {
         if (method == ShadowMethod::none) return true;
         return info.can_trace && (method != ShadowMethod::members || info.has_members);
       },
-      3);
+      4);
+  trade_rows(ui, workspace);
   budget_rows(ui, session);
 }
 

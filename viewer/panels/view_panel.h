@@ -6,7 +6,7 @@
 namespace relume {
 
 /// What the picture shows and how: inside the current ImGui window.
-void view_panel(UiState& ui, Session& session);
+void view_panel(UiState& ui, Workspace& workspace);
 
 /// Along the bottom: what was relit and how long it took, the measured error, problems.
 void status_bar(UiState& ui, const Workspace& workspace);

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "viewer/panels/tips.h"
+
 namespace relume {
 namespace {
 
@@ -61,9 +63,37 @@ void apply_theme(float scale) {
   }
 }
 
+namespace {
+
+/// How long the pointer stays before a tip comes.
+constexpr float tip_delay_s = 0.6f;
+/// At most so much of it in one frame: the window sleeps in between.
+constexpr float tip_step_s = 0.3f;
+
+void show_tip(UiState& ui, std::string_view name) {
+  const std::string_view tip = tip_of(name);
+  if (tip.empty() || ImGui::IsAnyMouseDown()) return;
+  ui.next_tip.seconds = ui.tip.item == name ? ui.tip.seconds : 0;
+  ui.next_tip.seconds += std::min(ImGui::GetIO().DeltaTime, tip_step_s);
+  ui.next_tip.item = name;
+  if (ui.next_tip.seconds < tip_delay_s) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(20 * ImGui::GetFontSize());
+  ImGui::TextUnformatted(tip.data(), tip.data() + tip.size());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+}  // namespace
+
 void note_item(UiState& ui, std::string_view name) {
   if (!ImGui::IsItemVisible()) return;
   ui.items.note(name, {from_im(ImGui::GetItemRectMin()), from_im(ImGui::GetItemRectMax())});
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) show_tip(ui, name);
+}
+
+bool is_tip_due(const UiState& ui) {
+  return !ui.next_tip.item.empty() && ui.next_tip.seconds < tip_delay_s;
 }
 
 void row_label(const char* label) {

@@ -27,8 +27,12 @@ inline constexpr ImU32 dim_color = IM_COL32(160, 160, 160, 255);
 /// Sans where installed, otherwise ImGui's own. `scale` 1 = 96 dpi. Call once, before the renderer.
 void apply_theme(float scale);
 
-/// Notes where ImGui's last item is, unless it is scrolled out of sight.
+/// Notes where ImGui's last item is, unless it is scrolled out of sight, and shows its tip (tip_of)
+/// when the pointer has been there for a while.
 void note_item(UiState& ui, std::string_view name);
+
+/// The pointer stays where a tip will come.
+bool is_tip_due(const UiState& ui);
 
 /// Starts a row: `label` at the left, the next item fills the rest.
 void row_label(const char* label);

@@ -23,6 +23,7 @@ bool EditHistory::commit(const ViewState& view) {
   const bool same_lights = now.size() == lights_.size() && first + last == now.size();
   if (same_lights && same_edits(settings, settings_)) {
     settings_.selected_light = settings.selected_light;
+    settings_.records = settings.records;
     return false;
   }
   const auto part = [&](const std::vector<Light>& lights) {
@@ -60,14 +61,15 @@ bool EditHistory::redo(ViewState& view) {
 }
 
 EditHistory::Settings EditHistory::settings_of(const ViewState& view) {
-  return {view.shadows, view.display,     view.heat_range,    view.frame_ms,
-          view.refine,  view.solo_lights, view.selected_light};
+  return {view.shadows, view.display,     view.heat_range,     view.frame_ms, view.refine,
+          view.trade,   view.solo_lights, view.selected_light, view.records};
 }
 
 bool EditHistory::same_edits(const Settings& a, const Settings& b) {
   return a.shadows == b.shadows && a.display.exposure == b.display.exposure &&
          a.display.curve == b.display.curve && a.heat_range == b.heat_range &&
-         a.frame_ms == b.frame_ms && a.refine == b.refine && a.solo_lights == b.solo_lights;
+         a.frame_ms == b.frame_ms && a.refine == b.refine && a.trade == b.trade &&
+         a.solo_lights == b.solo_lights;
 }
 
 void EditHistory::apply(const Settings& settings, ViewState& view) {
@@ -76,8 +78,10 @@ void EditHistory::apply(const Settings& settings, ViewState& view) {
   view.heat_range = settings.heat_range;
   view.frame_ms = settings.frame_ms;
   view.refine = settings.refine;
+  view.trade = settings.trade;
   view.solo_lights = settings.solo_lights;
   view.selected_light = settings.selected_light;
+  view.records = settings.records;
 }
 
 void EditHistory::replace_lights(size_t first, size_t count, const std::vector<Light>& lights) {

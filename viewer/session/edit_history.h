@@ -37,8 +37,10 @@ class EditHistory {
     HeatRange heat_range = HeatRange::ten_times;
     float frame_ms = 0;
     bool refine = false;
+    Trade trade;
     std::vector<int> solo_lights;
     int selected_light = -1;  ///< brought back, but no edit by itself
+    RecordChoice records;     ///< the same: the trade chooses them, and later
   };
   /// Lights [first, first + removed.size()) gave way to `added`.
   struct Step {

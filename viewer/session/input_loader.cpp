@@ -27,9 +27,13 @@ InputLoader::InputLoader(InputOpener opener, SessionFile file, std::function<voi
       status_(start_status(file_)),
       thread_([this] { run(); }) {}
 
-InputLoader::~InputLoader() {
+void InputLoader::stop() {
   stopped_ = true;
   set_paused(false);
+}
+
+InputLoader::~InputLoader() {
+  stop();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -46,6 +50,11 @@ std::unique_ptr<Session> InputLoader::take_session() {
 std::unique_ptr<FrameSource> InputLoader::take_reference() {
   const std::lock_guard lock(mutex_);
   return std::move(reference_);
+}
+
+RecordSource InputLoader::take_record_source() {
+  const std::lock_guard lock(mutex_);
+  return std::move(record_source_);
 }
 
 void InputLoader::set_paused(bool paused) {
@@ -97,6 +106,7 @@ void InputLoader::open_all() {
   {
     const std::lock_guard lock(mutex_);
     session_ = std::move(opened.session);
+    record_source_ = std::move(opened.records);
     status_.opening = false;
   }
   tell();

@@ -10,7 +10,9 @@
 #include <thread>
 
 #include "core/base/progress.h"
+#include "viewer/session/load_status.h"
 #include "viewer/session/prepare_preview.h"
+#include "viewer/session/record_maker.h"
 #include "viewer/session/session.h"
 #include "viewer/session/session_file.h"
 
@@ -21,23 +23,14 @@ struct OpenedInput {
   std::unique_ptr<Session> session;
   /// Prepares the session's reference; takes long. Empty: there is none to be had.
   std::function<std::unique_ptr<FrameSource>(const ProgressCallback&)> make_reference;
+  /// Prepares other records for the session. Empty: there are none to be had.
+  RecordSource records;
 };
 
 /// Opens the scene or cache that a session names; runs on a thread of its own. Throws Error, of
 /// kind cancelled soon after the callback returned false.
 using InputOpener = std::function<OpenedInput(
     const SessionFile& session, const ProgressCallback& progress, PreparePreview& preview)>;
-
-/// How far a load is.
-struct LoadStatus {
-  std::string input;
-  std::string stage;         ///< what is being done, for instance "prepare hair"
-  double fraction = 0;       ///< of the stage, in [0, 1]
-  double seconds_left = -1;  ///< < 0: unknown
-  bool opening = false;      ///< the session is not there yet
-  bool working = false;      ///< the session or its reference is being prepared
-  std::string problem;       ///< why it failed, one line; empty = it did not
-};
 
 /// Opens one input in the background: first the session, so that work can begin, then its
 /// reference. The destructor asks the work to stop and waits for it. The session must outlive the
@@ -55,9 +48,12 @@ class InputLoader {
   /// What was taken once is null from then on.
   std::unique_ptr<Session> take_session();
   std::unique_ptr<FrameSource> take_reference();
+  RecordSource take_record_source();
   /// The tiles prepared so far, see PreparePreview::take().
   bool take_preview(Image& image) { return preview_.take(image); }
   const SessionFile& file() const { return file_; }
+  /// Asks the work to end soon.
+  void stop();
   /// While true the work stands still where it next reports, so that what a person waits for gets
   /// the processors.
   void set_paused(bool paused);
@@ -84,6 +80,7 @@ class InputLoader {
   LoadStatus status_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<FrameSource> reference_;
+  RecordSource record_source_;
   std::exception_ptr failure_;
 
   std::thread thread_;  // last: starts when all else exists

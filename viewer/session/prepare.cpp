@@ -76,15 +76,23 @@ FrameGoal goal_of(const PrepareParams& params) {
   return goal;
 }
 
-void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
-             CacheWriter& writer, const ProgressCallback& callback, PrepareStats* stats) {
+ReductionParams reduction_in(const Tracer& tracer, const PrepareParams& params) {
   ReductionParams reduction = params.reduction;
   reduction.scene_radius = std::max(tracer.bounds().radius(), 1e-30f);
-  const bool pure = reduction.method == ReductionMethod::pure;
-  const ViewSampler view =
-      make_view_sampler(scene, tracer, params.width > 0 ? params.width : scene.width,
-                        params.height > 0 ? params.height : scene.height,
-                        pure ? reduction.records : params.spp, reduction.seed);
+  return reduction;
+}
+
+ViewSampler view_of(const Scene& scene, const Tracer& tracer, const PrepareParams& params) {
+  const bool pure = params.reduction.method == ReductionMethod::pure;
+  return make_view_sampler(scene, tracer, params.width > 0 ? params.width : scene.width,
+                           params.height > 0 ? params.height : scene.height,
+                           pure ? params.reduction.records : params.spp, params.reduction.seed);
+}
+
+void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+             CacheWriter& writer, const ProgressCallback& callback, PrepareStats* stats) {
+  ReductionParams reduction = reduction_in(tracer, params);
+  const ViewSampler view = view_of(scene, tracer, params);
   CacheInfo info = make_info(scene, view, params, tracer.bounds());
   CacheFormat format = params.format.value_or(CacheFormat::exact);
   if (const FrameGoal goal = goal_of(params); goal.is_set()) {
@@ -94,6 +102,8 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
     format = plan.format;
     if (goal.frame_ms > 0) info.average_records = static_cast<float>(plan.average_records);
     if (stats != nullptr) stats->plan = plan;
+  } else if (params.record_cost > 0) {
+    reduction.record_cost = params.record_cost;
   } else if (params.budget.is_set()) {
     reduction.record_cost =
         plan_records(scene, view, reduction, params.training, params.budget, callback).record_cost;
@@ -128,6 +138,14 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
 }
 
 }  // namespace
+
+FrameForecast forecast_scene(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+                             const ProgressCallback& progress) {
+  constexpr float any_ms = 1;
+  const ViewSampler view = view_of(scene, tracer, params);
+  return forecast_frames(scene, view, reduction_in(tracer, params), params.training,
+                         {.frame_ms = any_ms}, progress);
+}
 
 RelightCache prepare_in_memory(const Scene& scene, const Tracer& tracer,
                                const PrepareParams& params, const ProgressCallback& progress,

@@ -19,6 +19,8 @@ namespace relume {
 struct PrepareParams {
   int spp = 25;  ///< samples per pixel, [1, 1024]; method pure takes `records` instead
   ReductionParams reduction;
+  /// With an average budget, when > 0: the cost that meets it, known from a forecast.
+  float record_cost = 0;
   RecordBudget budget;      ///< when set, reduction.records is the most that a pixel may have
   TrainingParams training;  ///< used by methods that need it
   /// Nothing: chosen for frame_ms or a target error, else exact.
@@ -39,6 +41,11 @@ struct PrepareStats {
   uint64_t records = 0;
   std::optional<FramePlan> plan;  ///< where records and format were chosen
 };
+
+/// What plans for times and errors are chosen from, for a scene that `params` prepares. Its budget,
+/// format and frame_ms do not matter.
+FrameForecast forecast_scene(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+                             const ProgressCallback& progress);
 
 /// Prepares into memory.
 RelightCache prepare_in_memory(const Scene& scene, const Tracer& tracer,

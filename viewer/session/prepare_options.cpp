@@ -45,6 +45,26 @@ PrepareOptions chosen_options(PrepareOptions options, const CacheInfo& info) {
   return options;
 }
 
+PrepareOptions with_records(PrepareOptions options, const RecordChoice& records) {
+  if (!records.is_set()) return options;
+  options.frame_ms = 0;
+  options.records.reset();
+  options.budget = {.average_records = records.average};
+  options.format = records.format;
+  return options;
+}
+
+std::optional<PrepareOptions> options_of(const CacheInfo& info) {
+  const auto method = value_of(reduction_method_labels, info.method);
+  if (!method || *method == ReductionMethod::all || *method == ReductionMethod::pure) return {};
+  PrepareOptions options;
+  options.spp = info.spp;
+  options.method = *method;
+  options.width = info.width;
+  options.height = info.height;
+  return options;
+}
+
 std::string shell_quoted(const std::string& argument) {
   const bool is_plain =
       !argument.empty() && std::all_of(argument.begin(), argument.end(), [](char c) {

@@ -9,6 +9,7 @@
 #include "reduction/budget.h"
 #include "reduction/reduction.h"
 #include "shadow/shadow.h"
+#include "viewer/session/view_state.h"
 
 namespace relume {
 
@@ -38,6 +39,12 @@ std::vector<std::string> prepare_flags(const PrepareOptions& options, uint64_t s
 /// `options` where a time chose records and format: with those instead, so that asking again needs
 /// no clock. Pixels may then share their records out a little differently.
 PrepareOptions chosen_options(PrepareOptions options, const CacheInfo& info);
+
+/// `options` with records that were chosen later, if any were.
+PrepareOptions with_records(PrepareOptions options, const RecordChoice& records);
+
+/// How a cache was prepared, as far as it tells; nothing where its samples were not reduced.
+std::optional<PrepareOptions> options_of(const CacheInfo& info);
 
 /// One argument of a shell command: as it is, or in single quotes where a shell would read more
 /// into it.

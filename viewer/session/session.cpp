@@ -33,6 +33,10 @@ std::string find_problem(std::span<const Light> lights) {
   return {};
 }
 
+double predicted_mean(const SessionInfo& info) {
+  return info.predicted_error.empty() ? 0 : mean_covered(info.predicted_error, info.coverage);
+}
+
 }  // namespace
 
 Session::Session(SessionParts parts)
@@ -45,14 +49,10 @@ Session::Session(SessionParts parts)
   cache_ = parts.frames->cache();
   const size_t pixels = static_cast<size_t>(info_.width) * info_.height;
   CHECK_MSG(info_.record_counts.size() == pixels, "{} of {}", info_.record_counts.size(), pixels);
-  frame_.worker = std::make_unique<RelightWorker>(std::move(parts.frames));
+  connect(frame_, std::move(parts.frames));
+  connect(visibility_, std::move(parts.visibility));
   info_.has_reference = false;
-  if (!info_.predicted_error.empty()) {
-    info_.predicted_mean = mean_covered(info_.predicted_error, info_.coverage);
-  }
-  if (parts.visibility) {
-    visibility_.worker = std::make_unique<RelightWorker>(std::move(parts.visibility));
-  }
+  info_.predicted_mean = predicted_mean(info_);
   if (parts.reference) set_reference(std::move(parts.reference));
 }
 
@@ -68,9 +68,41 @@ void Session::set_notify(const std::function<void()>& notify) {
 void Session::set_reference(std::unique_ptr<FrameSource> source) {
   CHECK(source != nullptr && reference_.worker == nullptr);
   reference_cache_ = source->cache();
-  reference_.worker = std::make_unique<RelightWorker>(std::move(source));
-  reference_.worker->set_notify(notify_);
+  connect(reference_, std::move(source));
   info_.has_reference = true;
+}
+
+void Session::connect(Channel& channel, std::unique_ptr<FrameSource> source) {
+  channel.worker.reset();
+  channel.asked.reset();
+  if (!source) return;
+  channel.worker = std::make_unique<RelightWorker>(std::move(source));
+  channel.worker->set_notify(notify_);
+}
+
+void Session::set_records(SessionRecords records) {
+  CHECK(records.frames != nullptr);
+  CHECK(records.info.width == info_.width && records.info.height == info_.height);
+  for (Channel* channel : {&frame_, &visibility_}) {
+    if (!channel->worker) continue;
+    channel->worker->set_notify({});
+    channel->worker->stop();
+  }
+  // A running frame may take its time. The visibility uses the frame's cache and goes first.
+  retired_ = std::async(std::launch::async, [frames = std::move(frame_.worker),
+                                             visibility = std::move(visibility_.worker)]() mutable {
+    visibility.reset();
+    frames.reset();
+  });
+  records.info.has_reference = info_.has_reference;
+  info_ = std::move(records.info);
+  info_.predicted_mean = predicted_mean(info_);
+  cache_ = records.frames->cache();
+  connect(frame_, std::move(records.frames));
+  connect(visibility_, std::move(records.visibility));
+  visibility_.version = 0;
+  budget_ = {};
+  ++records_number_;
 }
 
 void Session::update(bool resting) {
@@ -260,6 +292,7 @@ void Session::paint() {
   const bool needs_frame = shown == ShownPicture::frame || shown == ShownPicture::heatmap ||
                            shown == ShownPicture::difference;
   const PaintKey key{shown,
+                     records_number_,
                      view_.heat_range,
                      view_.display.curve,
                      view_.display.exposure,
@@ -372,31 +405,43 @@ void Session::paint_scaled(const Image& values) {
   }
 }
 
+SessionRecords make_session_records(RelightCache frames, const Tracer* tracer) {
+  const CacheInfo& cache = frames.info();
+  SessionRecords records;
+  records.info = {.title = cache.scene_name,
+                  .width = cache.width,
+                  .height = cache.height,
+                  .camera = cache.camera,
+                  .bounds = cache.bounds,
+                  .method = cache.method,
+                  .format = cache.format,
+                  .records = cache.records,
+                  .budget = {cache.average_records, cache.target_error},
+                  .spp = cache.spp,
+                  .record_count = cache.record_count,
+                  .coverage = frames.coverage(),
+                  .predicted_error = frames.predicted_error(),
+                  .record_counts = frames.record_counts(),
+                  .can_trace = tracer != nullptr,
+                  .has_members = cache.has_members || !cache.has_footprints};
+  records.frames = make_cache_source(std::move(frames), tracer);
+  if (tracer != nullptr) {
+    records.visibility = make_visibility_source(*records.frames->cache(), *tracer);
+  }
+  return records;
+}
+
 Session make_session(std::unique_ptr<const Scene> scene, std::unique_ptr<const Tracer> tracer,
                      RelightCache frames, std::optional<RelightCache> reference) {
-  const CacheInfo& cache = frames.info();
   SessionParts parts;
-  parts.info = {.title = cache.scene_name,
-                .width = cache.width,
-                .height = cache.height,
-                .camera = cache.camera,
-                .bounds = cache.bounds,
-                .method = cache.method,
-                .records = cache.records,
-                .budget = {cache.average_records, cache.target_error},
-                .spp = cache.spp,
-                .record_count = cache.record_count,
-                .coverage = frames.coverage(),
-                .predicted_error = frames.predicted_error(),
-                .record_counts = frames.record_counts(),
-                .can_trace = tracer != nullptr,
-                .has_members = cache.has_members || !cache.has_footprints};
-  parts.view.lights = cache.lights;
-  parts.view.selected_light = cache.lights.empty() ? -1 : 0;
+  parts.view.lights = frames.info().lights;
+  parts.view.selected_light = parts.view.lights.empty() ? -1 : 0;
   parts.view.shadows = tracer ? ShadowMethod::ray : ShadowMethod::none;
-  parts.view.display.exposure = cache.exposure;
-  parts.frames = make_cache_source(std::move(frames), tracer.get());
-  if (tracer) parts.visibility = make_visibility_source(*parts.frames->cache(), *tracer);
+  parts.view.display.exposure = frames.info().exposure;
+  SessionRecords records = make_session_records(std::move(frames), tracer.get());
+  parts.info = std::move(records.info);
+  parts.frames = std::move(records.frames);
+  parts.visibility = std::move(records.visibility);
   if (reference && tracer) {
     parts.reference = make_cache_source(std::move(*reference), tracer.get(), ShadowMethod::ray);
   }

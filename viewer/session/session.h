@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,8 +22,9 @@ struct SessionInfo {
   int width = 0;      ///< pixels
   int height = 0;     ///< pixels
   Camera camera;
-  Bounds bounds;        ///< of the scene, world
-  std::string method;   ///< reduction label
+  Bounds bounds;       ///< of the scene, world
+  std::string method;  ///< reduction label
+  CacheFormat format = CacheFormat::exact;
   int records = 0;      ///< k asked for per pixel, at most
   RecordBudget budget;  ///< if any, that the records were shared out by
   int spp = 0;
@@ -42,6 +44,13 @@ struct Picture {
   int height = 0;
   std::vector<uint8_t> rgba;  ///< 4 * width * height; empty before the first frame
   uint64_t version = 0;       ///< grows whenever the pixels change
+};
+
+/// Records in place of those that a session was opened with.
+struct SessionRecords {
+  SessionInfo info;
+  std::unique_ptr<FrameSource> frames;
+  std::unique_ptr<FrameSource> visibility;  ///< see SessionParts
 };
 
 /// What a status bar says.
@@ -98,6 +107,10 @@ class Session {
   /// Adds the reference where there is none yet. `source` relights with traced shadows.
   void set_reference(std::unique_ptr<FrameSource> source);
 
+  /// Goes on with other records of the same view. The picture stays until the first frame of them
+  /// is there. What was there before ends in the background: nobody may use its cache any more.
+  void set_records(SessionRecords records);
+
   /// Edited in place; update() notices what changed.
   ViewState& view() { return view_; }
   const ViewState& view() const { return view_; }
@@ -133,6 +146,7 @@ class Session {
   /// All that the painted picture depends on.
   struct PaintKey {
     ShownPicture shown;
+    uint64_t records;
     HeatRange heat_range;
     ToneCurve curve;
     float exposure;
@@ -148,6 +162,7 @@ class Session {
   bool ask_frame(bool resting);
   bool ask_reference(bool resting);
   bool ask_visibility();
+  void connect(Channel& channel, std::unique_ptr<FrameSource> source);
   static void submit(Channel& channel, const RelightRequest& request);
   void take();
   static void take(Channel& channel);
@@ -178,10 +193,15 @@ class Session {
   const RelightCache* cache_ = nullptr;
   const RelightCache* reference_cache_ = nullptr;
   FrameBudget budget_;
-  Channel frame_;  // the channels go first: their sources may use tracer_
+  uint64_t records_number_ = 0;  ///< tells records from those before
+  std::future<void> retired_;    ///< former records, which may use tracer_
+  Channel frame_;                // the channels go first: their sources may use tracer_
   Channel reference_;
   Channel visibility_;  ///< uses the frame's cache
 };
+
+/// A cache and its shadows for a session; without a tracer there are none.
+SessionRecords make_session_records(RelightCache frames, const Tracer* tracer);
 
 /// A session over a scene's caches. `frames` holds the reduced records; `reference`, prepared with
 /// ReductionMethod::all, is relit with traced shadows and needs the tracer. The view starts with

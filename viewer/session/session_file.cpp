@@ -14,6 +14,8 @@ namespace {
 
 constexpr size_t max_path_length = 4096;  // bytes
 constexpr float max_frame_ms = 1e6f;
+constexpr float least_trade_ms = 0.01f;
+constexpr float least_trade_error = 1e-6f;
 constexpr float max_stops = 20;
 constexpr float max_zoom = 64;
 
@@ -46,18 +48,30 @@ std::string format_prepare(const SessionFile& session) {
                    prepare.width, prepare.height, session.seed);
 }
 
+std::string format_trade(const ViewState& view) {
+  const Trade& trade = view.trade;
+  std::string out =
+      fmt::format(R"("trade": {}, "trade_level": {}, "trade_ms": {}, "trade_error": {})",
+                  quoted_label(trade_kind_labels, trade.kind), json_number(trade.level),
+                  json_number(trade.move_ms), json_number(trade.target_error));
+  if (!view.records.is_set()) return out;
+  return out + fmt::format(R"(, "average_records": {}, "format": {})",
+                           json_number(view.records.average),
+                           quoted_label(cache_format_labels, view.records.format));
+}
+
 std::string format_view(const ViewState& view) {
   return fmt::format(
       "{{\n    \"shown\": {}, \"shadows\": {}, \"exposure\": {}, \"curve\": {}, "
       "\"false_color\": {}, \"heat_range\": {},\n    \"frame_ms\": {}, \"refine\": {}, \"zoom\": "
       "{}, "
-      "\"zoom_center\": [{}, {}]\n  }}",
+      "\"zoom_center\": [{}, {}],\n    {}\n  }}",
       quoted_label(shown_picture_labels, view.shown),
       quoted_label(shadow_method_labels, view.shadows), json_number(view.display.exposure),
       quoted_label(tone_curve_labels, view.display.curve), view.false_color,
       quoted_label(heat_range_labels, view.heat_range), json_number(view.frame_ms), view.refine,
       json_number(view.zoom), json_number(view.zoom_center_px.x),
-      json_number(view.zoom_center_px.y));
+      json_number(view.zoom_center_px.y), format_trade(view));
 }
 
 std::string format_solo(const ViewState& view) {
@@ -103,9 +117,19 @@ void read_prepare(const JsonNode& node, SessionFile& session) {
   node.read_seed("seed", session.seed);
 }
 
+void read_trade(const JsonNode& node, ViewState& view) {
+  node.read("trade", view.trade.kind, trade_kind_labels);
+  node.read("trade_level", view.trade.level, 0, 1);
+  node.read("trade_ms", view.trade.move_ms, least_trade_ms, max_frame_ms);
+  node.read("trade_error", view.trade.target_error, least_trade_error, 1);
+  node.read("average_records", view.records.average, 0.01f, 64);
+  node.read("format", view.records.format, cache_format_labels);
+}
+
 void read_view(const JsonNode& node, ViewState& view) {
   node.expect_keys({"shown", "shadows", "exposure", "curve", "false_color", "heat_range",
-                    "frame_ms", "refine", "zoom", "zoom_center"});
+                    "frame_ms", "refine", "zoom", "zoom_center", "trade", "trade_level", "trade_ms",
+                    "trade_error", "average_records", "format"});
   node.read("shown", view.shown, shown_picture_labels);
   node.read("shadows", view.shadows, shadow_method_labels);
   node.read("exposure", view.display.exposure, -max_stops, max_stops);
@@ -114,6 +138,7 @@ void read_view(const JsonNode& node, ViewState& view) {
   node.read("heat_range", view.heat_range, heat_range_labels);
   node.read("frame_ms", view.frame_ms, 0, max_frame_ms);
   node.read("refine", view.refine);
+  read_trade(node, view);
   node.read("zoom", view.zoom, 0, max_zoom);
   if (const auto center = node.find("zoom_center")) {
     view.zoom_center_px = center->pair(-max_coordinate, max_coordinate);

@@ -6,6 +6,7 @@
 
 #include "core/base/label.h"
 #include "core/image/display_transform.h"
+#include "core/samples/record_layout.h"
 #include "core/scene/light.h"
 #include "shadow/shadow.h"
 
@@ -67,6 +68,34 @@ constexpr float record_map_range(int k) {
   return static_cast<float>(std::max(16, k));
 }
 
+/// Who says how quick or how exact frames shall be: the settings one by one, a level between the
+/// fastest and exact, the time of a light move, or an error.
+enum class TradeKind { manual, level, time, error };
+
+inline constexpr std::array trade_kind_labels = {
+    Label<TradeKind>{TradeKind::manual, "manual"},
+    Label<TradeKind>{TradeKind::level, "level"},
+    Label<TradeKind>{TradeKind::time, "time"},
+    Label<TradeKind>{TradeKind::error, "error"},
+};
+
+/// Time against error. Each kind keeps its value while another one is in effect.
+struct Trade {
+  TradeKind kind = TradeKind::manual;
+  float level = 0.5f;          ///< 0 = fastest to 1 = exact
+  float move_ms = 20;          ///< milliseconds that moving one light may take
+  float target_error = 0.02f;  ///< fraction of the picture's mean
+  bool operator==(const Trade&) const = default;
+};
+
+/// Records that are prepared anew in place of those that were opened.
+struct RecordChoice {
+  float average = 0;  ///< per covered pixel; 0 = as opened
+  CacheFormat format = CacheFormat::exact;
+  bool is_set() const { return average > 0; }
+  bool operator==(const RecordChoice&) const = default;
+};
+
 /// Everything that a person sets in the viewer, and nothing else: copying it is a snapshot.
 struct ViewState {
   std::vector<Light> lights;
@@ -84,6 +113,8 @@ struct ViewState {
   /// When the lights rest, the frame gives way to all samples with traced shadows, if there is a
   /// reference and the frame has shadows.
   bool refine = false;
+  Trade trade;
+  RecordChoice records;    ///< follows from the trade
   float zoom = 0;          ///< screen pixels per picture pixel; 0 = fit into the window
   vec2 zoom_center_px{0};  ///< picture position in the middle of the window when zoom > 0
 };

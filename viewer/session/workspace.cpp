@@ -70,8 +70,20 @@ Workspace::Workspace(InputOpener opener, const std::string& input, WorkspaceOpti
 }
 
 Workspace::~Workspace() {
+  maker_.reset();
   loader_.reset();
+  if (retired_.valid()) retired_.wait();  // a former load may use the session
   leave_session();
+}
+
+template <class... Parts>
+void Workspace::retire(Parts... parts) {
+  // Parts go in the order given, after everything that was retired before.
+  retired_ = std::async(std::launch::async,
+                        [before = std::move(retired_), ... parts = std::move(parts)]() mutable {
+                          if (before.valid()) before.wait();
+                          (parts.reset(), ...);
+                        });
 }
 
 void Workspace::set_notify(std::function<void()> notify) {
@@ -120,7 +132,10 @@ void Workspace::open_session(SessionFile file, bool has_view, std::filesystem::p
     set_notice("this window cannot open other inputs", true);
     return;
   }
-  loader_.reset();
+  if (loader_) {
+    loader_->stop();
+    retire(std::move(loader_));
+  }
   loaded_view_ = has_view;
   loaded_document_ = std::move(document);
   notice_ = {};
@@ -129,13 +144,18 @@ void Workspace::open_session(SessionFile file, bool has_view, std::filesystem::p
 }
 
 void Workspace::take_loaded() {
-  if (!loader_) return;
+  if (!loader_ || exporting_.valid()) return;  // an export uses what is open
   if (std::unique_ptr<Session> session = loader_->take_session()) {
     leave_session();
+    if (maker_) maker_->stop();
+    retire(std::move(maker_), std::move(session_));
     origin_ = loader_->file();
     document_ = loaded_document_;
     if (loaded_view_) session->view() = origin_.view;
     adopt(std::move(session));
+    if (RecordSource source = loader_->take_record_source()) {
+      maker_ = std::make_unique<RecordMaker>(std::move(source), [this] { tell(); });
+    }
   }
   if (std::unique_ptr<FrameSource> reference = loader_->take_reference()) {
     session_->set_reference(std::move(reference));
@@ -158,6 +178,12 @@ void Workspace::adopt(std::unique_ptr<Session> session) {
   if (session_->cache() != nullptr) {
     origin_.prepare = chosen_options(origin_.prepare, session_->cache()->info());
   }
+  records_ = loaded_records();
+  forecast_.reset();
+  plan_.reset();
+  // Records that a session file holds stay as they are until the trade is changed.
+  planned_.reset();
+  if (records_.is_set()) planned_ = planned_for(session_->view());
   history_.reset(session_->view());
   saved_step_ = 0;
   has_saved_step_ = true;
@@ -201,17 +227,80 @@ void Workspace::update(bool resting) {
     if (history_.step_count() <= saved_step_) has_saved_step_ = false;
   }
   if (resting) autosave();
+  follow_trade(resting);
   session_->update(resting);
   // The reference can wait, a drag and the first frame cannot.
   const bool is_urgent = !resting || session_->status().busy || session_->picture().version == 0;
-  if (loader_ && loader_->status().working) loader_->set_paused(is_urgent);
+  const bool is_forecasting = maker_ && maker_->is_forecasting();
+  if (loader_ && loader_->status().working) loader_->set_paused(is_urgent || is_forecasting);
+  if (maker_ && maker_->status().working) maker_->set_paused(is_urgent);
+}
+
+Workspace::Planned Workspace::planned_for(const ViewState& view) {
+  return {view.trade, view.shadows != ShadowMethod::none};
+}
+
+/// What the session was opened with, where it is what its view asks for.
+RecordChoice Workspace::loaded_records() const {
+  const SessionInfo& info = session_->info();
+  const RecordChoice opened{info.budget.average_records, info.format};
+  return opened == session_->view().records ? opened : RecordChoice{};
+}
+
+/// Records follow the trade, or what undoing brought back, when nothing is being dragged.
+void Workspace::follow_trade(bool resting) {
+  if (!maker_) return;
+  if (auto forecast = maker_->take_forecast()) forecast_ = std::move(forecast);
+  const LoadStatus status = maker_->status();
+  if (!status.problem.empty() && notice_.text != status.problem) set_notice(status.problem, true);
+  plan_records();
+  take_records();
+  if (!resting) return;
+  const RecordChoice& wanted = session_->view().records;
+  if (wanted == records_) {
+    maker_->withdraw_records();
+  } else {
+    maker_->ask_records(wanted, plan_ && plan_->records == wanted ? plan_->record_cost : 0);
+  }
+}
+
+void Workspace::plan_records() {
+  ViewState& view = session_->view();
+  const Planned wanted = planned_for(view);
+  if (view.trade.kind == TradeKind::manual) {
+    planned_ = wanted;
+    plan_.reset();
+  } else if (planned_ != wanted) {
+    if (!forecast_) return maker_->ask_forecast();
+    plan_ = plan_trade(view.trade, *forecast_, wanted.has_shadows);
+    view.records = plan_->records;
+    planned_ = wanted;
+  }
+}
+
+void Workspace::take_records() {
+  if (exporting_.valid()) return;  // it uses those that are there
+  std::optional<RecordMaker::Made> made = maker_->take_records();
+  if (!made) return;
+  session_->set_records(std::move(made->records));
+  records_ = made->choice;
+}
+
+LoadStatus Workspace::trade_status() const {
+  return maker_ ? maker_->status() : LoadStatus{};
 }
 
 void Workspace::wait(bool resting) {
-  if (loader_) loader_->wait();
   if (exporting_.valid()) exporting_.wait();
+  if (loader_) loader_->wait();
   update(resting);
+  // A forecast is followed by a plan, a plan by its records.
+  while (maker_ && maker_->is_busy()) {
+    maker_->wait();
+    update(resting);
+  }
   if (session_) session_->wait(resting);
+  if (retired_.valid()) retired_.wait();
   writer_.wait();
 }
 
@@ -321,6 +410,20 @@ void Workspace::take_export() {
   notice_ = exporting_.get();
 }
 
+/// What gives the records that are shown: a cache's own are in it, others come from its scene.
+SessionFile Workspace::origin_of_records() const {
+  SessionFile origin = origin_;
+  if (!records_.is_set() || session_->cache() == nullptr) return origin;
+  const CacheInfo& info = session_->cache()->info();
+  if (std::filesystem::path(origin.input).extension() == ".relume") {
+    origin.input = info.scene_file;
+    origin.prepare = options_of(info).value_or(origin.prepare);
+    origin.seed = info.seed;
+  }
+  origin.prepare = with_records(origin.prepare, records_);
+  return origin;
+}
+
 std::string Workspace::copy_command() {
   if (!session_) return {};
   try {
@@ -331,7 +434,8 @@ std::string Workspace::copy_command() {
     const std::filesystem::path lights = lights_file(folder, text);
     write_file_atomic(lights, text);
     set_notice("copied the command that renders this picture");
-    return render_command(origin_, *session_, absolute_input(lights.string()), "frame.exr");
+    return render_command(origin_of_records(), *session_, absolute_input(lights.string()),
+                          "frame.exr");
   } catch (const std::exception& failure) {
     set_notice(printable(failure.what(), 400), true);
     return {};

@@ -14,6 +14,7 @@
 #include "viewer/session/input_loader.h"
 #include "viewer/session/session.h"
 #include "viewer/session/session_file.h"
+#include "viewer/session/trade.h"
 
 namespace relume {
 
@@ -89,6 +90,15 @@ class Workspace {
   const Notice& notice() const { return notice_; }
   void set_notice(const std::string& text, bool is_problem = false);
   LoadStatus load_status() const;
+
+  /// Other records can be prepared for the session.
+  bool can_trade() const { return maker_ != nullptr; }
+  /// What the view's trade has come to; nothing while that is not known, and by hand.
+  const std::optional<TradePlan>& trade_plan() const { return plan_; }
+  /// Records that the session goes on with; not set: as opened.
+  const RecordChoice& records() const { return records_; }
+  /// How far a forecast or other records are.
+  LoadStatus trade_status() const;
   bool is_exporting() const { return exporting_.valid(); }
   /// The picture of a first load so far: changes version when it does.
   const Picture& preview() const { return preview_; }
@@ -103,8 +113,24 @@ class Workspace {
   void require_session() const;
 
  private:
+  /// What a plan was made for.
+  struct Planned {
+    Trade trade;
+    bool has_shadows = true;
+    bool operator==(const Planned&) const = default;
+  };
+
   void open_session(SessionFile file, bool has_view, std::filesystem::path document);
   void take_loaded();
+  void follow_trade(bool resting);
+  static Planned planned_for(const ViewState& view);
+  RecordChoice loaded_records() const;
+  SessionFile origin_of_records() const;
+  void plan_records();
+  void take_records();
+  /// Ends a load or a session, which may take long, in the background, one after the other.
+  template <class... Parts>
+  void retire(Parts... parts);
   void leave_session();
   void adopt(std::unique_ptr<Session> session);
   void restore_autosave();
@@ -134,8 +160,15 @@ class Workspace {
   Picture preview_;
 
   BackgroundWriter writer_;
+  RecordChoice records_;
+  std::optional<FrameForecast> forecast_;  ///< of session_
+  std::optional<Planned> planned_;
+  std::optional<TradePlan> plan_;
+
+  std::future<void> retired_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<InputLoader> loader_;  // uses session_
+  std::unique_ptr<RecordMaker> maker_;   // uses session_
   std::future<Notice> exporting_;        // uses session_
 };
 
