@@ -32,6 +32,7 @@ Image relight_picture(const Scene& scene, const Tracer& tracer, const MethodTria
   params.reduction.method = trial.method;
   params.reduction.records = trial.records;
   params.reduction.seed = 5;
+  params.training = {.lights = trial.training_lights, .shadows = trial.train_shadows, .seed = 5};
   params.width = params.height = size_px;
   const RelightCache cache = prepare_in_memory(scene, tracer, params, {});
   RelightState state = make_relight_state(cache);
@@ -43,10 +44,14 @@ Image relight_picture(const Scene& scene, const Tracer& tracer, const MethodTria
 TEST(MethodStudy, ErrorsAreThoseOfThePicturesThatTheRendererMakes) {
   const Scene scene = load_scene("spheres", shader_table(), {});
   const Tracer tracer(scene);
-  const MethodStudyParams params = make_small_params();
+  MethodStudyParams params = make_small_params();
+  params.training.seed = 5;
+  params.trials.push_back({ReductionMethod::light_metric_4, 9, 2, {}, 6, false});
+  params.trials.push_back({ReductionMethod::light_metric_4, 9, 2, {}, 6, true});
+  params.trials.push_back({ReductionMethod::light_metric_5, 9, 2, {}, 3, true});
   TrialLog log;
   const auto figures = study_methods(scene, tracer, params, log, {});
-  ASSERT_EQ(figures.size(), 4u);
+  ASSERT_EQ(figures.size(), 10u);
   for (const MethodFigure& figure : figures) {
     for (size_t i = 0; i < figure.errors.size(); ++i) {
       const Light light =
@@ -64,6 +69,7 @@ TEST(MethodStudy, ErrorsAreThoseOfThePicturesThatTheRendererMakes) {
   EXPECT_EQ(figures[1].error, 0);
   EXPECT_GT(figures[2].error, 1e-5);
   EXPECT_LT(figures[1].reference_mean, 0.95 * figures[0].reference_mean) << "shadows darken";
+  EXPECT_NE(figures[4].error, figures[6].error) << "trained without and with shadows";
 }
 
 TEST(MethodStudy, IsTheSameFromTheLogAndOnAnyNumberOfThreads) {

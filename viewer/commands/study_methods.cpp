@@ -61,6 +61,14 @@ std::vector<MethodTrial> make_light_trials(const StudyOptions& options) {
   return trials;
 }
 
+/// Light metrics are trained without shadows and, as the report's were, with them; where methods
+/// are chosen by hand, as the option says.
+std::vector<bool> choose_training_shadows(const StudyOptions& options, ReductionMethod method) {
+  const bool is_metric = needs_training(method) && !is_light_fit(method);
+  if (is_metric && options.methods.empty() && !options.train_shadows) return {false, true};
+  return {false};
+}
+
 std::vector<MethodTrial> make_trials(const StudyOptions& options) {
   if (options.name == "lights") return make_light_trials(options);
   std::vector<MethodTrial> trials;
@@ -74,7 +82,11 @@ std::vector<MethodTrial> make_trials(const StudyOptions& options) {
     }
   }
   for (const ReductionMethod method : choose_methods(options)) {
-    for (const int k : choose_records(options)) trials.push_back({method, options.spp, k, {}});
+    for (const bool shadows : choose_training_shadows(options, method)) {
+      for (const int k : choose_records(options)) {
+        trials.push_back({method, options.spp, k, {}, 0, shadows});
+      }
+    }
     if (method != ReductionMethod::light_fit) continue;
     for (const double average : choose_budgets(options)) {
       if (!(average > 0)) continue;
@@ -114,10 +126,9 @@ std::string label_of_trial(const MethodTrial& trial) {
   if (trial.method == ReductionMethod::all) return fmt::format("all {} samples", trial.spp);
   const std::string from =
       trial.spp == report_spp ? "" : fmt::format(" from {} samples", trial.spp);
-  const std::string trained = trial.training_lights == 0
-                                  ? ""
-                                  : fmt::format(", {} {}lights", trial.training_lights,
-                                                trial.train_shadows ? "shadowed " : "");
+  std::string trained;
+  if (trial.training_lights > 0) trained = fmt::format(", {} lights", trial.training_lights);
+  if (trial.train_shadows) trained += " with shadows";
   return trial.budget.is_set()
              ? fmt::format("{}, average {:g}{}", method, trial.budget.average_records, from)
              : fmt::format("{}, k = {}{}{}", method, trial.records, from, trained);

@@ -10,6 +10,7 @@
 #include "core/base/timer.h"
 #include "viewer/session/method_training.h"
 #include "viewer/session/record_planning.h"
+#include "viewer/study/ray_memory.h"
 #include "viewer/study/significance.h"
 #include "viewer/study/tile_values.h"
 
@@ -28,6 +29,8 @@ struct Runner {
   ReductionParams params;
   ViewSampler view;
   std::unique_ptr<const MethodLights> lights;
+  /// Where the method is trained with shadows: the lights, for a training set of each tile's own.
+  std::vector<Light> shadowed_training;
 };
 
 bool is_reduced(ReductionMethod method) {
@@ -44,6 +47,7 @@ struct Setting {
   float scene_radius;
   ViewSampler reference_view;
   TestLights lights;
+  RayTargets targets;  ///< every light that a shadow ray is asked for
 
   bool asks_for(ShadowMethod shadow) const {
     return std::ranges::find(params.shadows, shadow) != params.shadows.end();
@@ -84,6 +88,29 @@ class BatchSums {
   std::vector<double> values_;
 };
 
+TrainingParams training_of(const MethodStudyParams& params, const MethodTrial& trial) {
+  TrainingParams training = params.training;
+  if (trial.training_lights > 0) training.lights = trial.training_lights;
+  training.shadows |= trial.train_shadows;
+  training.shadows &= needs_training(trial.method) && !is_light_fit(trial.method);
+  return training;
+}
+
+RayTargets make_targets(const Scene& scene, const Tracer& tracer, const MethodStudyParams& params,
+                        std::span<const Light> test_lights) {
+  RayTargets targets(tracer);
+  for (const Light& light : test_lights) targets.add(light);
+  for (const MethodTrial& trial : params.trials) {
+    const TrainingParams training = training_of(params, trial);
+    if (!training.shadows) continue;
+    for (const Light& light :
+         make_training_lights(scene.representative_low, scene.representative_high, training)) {
+      targets.add(light);
+    }
+  }
+  return targets;
+}
+
 Setting make_setting(const Scene& scene, const Tracer& tracer, const MethodStudyParams& params) {
   const int width = params.width > 0 ? params.width : scene.width;
   const int height = params.height > 0 ? params.height : scene.height;
@@ -97,7 +124,9 @@ Setting make_setting(const Scene& scene, const Tracer& tracer, const MethodStudy
                                        params.seed, static_cast<uint64_t>(i)));
   }
   TestLights test = make_test_lights(lights, view, radius);
-  return {scene, tracer, params, width, height, radius, std::move(view), std::move(test)};
+  return {scene,           tracer,          params,
+          width,           height,          radius,
+          std::move(view), std::move(test), make_targets(scene, tracer, params, lights)};
 }
 
 Runner make_runner(const Setting& setting, const MethodTrial& trial,
@@ -108,7 +137,8 @@ Runner make_runner(const Setting& setting, const MethodTrial& trial,
                 {},
                 make_view_sampler(setting.scene, setting.tracer, setting.width, setting.height, spp,
                                   params.seed),
-                nullptr};
+                nullptr,
+                {}};
   runner.params.method = trial.method;
   runner.params.records = trial.records;
   runner.params.seed = params.seed;
@@ -119,9 +149,12 @@ Runner make_runner(const Setting& setting, const MethodTrial& trial,
                                              params.training, trial.budget, progress)
                                     .record_cost;
   }
-  TrainingParams training = params.training;
-  if (trial.training_lights > 0) training.lights = trial.training_lights;
-  training.shadows |= trial.train_shadows;
+  TrainingParams training = training_of(params, trial);
+  if (training.shadows) {
+    runner.shadowed_training = make_training_lights(setting.scene.representative_low,
+                                                    setting.scene.representative_high, training);
+    training.shadows = false;
+  }
   runner.lights = make_method_lights(setting.scene, runner.view, runner.params, training);
   return runner;
 }
@@ -157,19 +190,38 @@ int64_t count_covered(const SampleTile& tile) {
   return covered;
 }
 
+/// One tile under the test lights.
+TileValues look_at(const Setting& setting, const SampleTile& rows, const RayMemory& memory) {
+  const std::vector<const VisibilitySource*> shadows = memory.sources(*setting.lights.set.lights);
+  return tile_values(
+      rows, setting.types(), setting.lights,
+      setting.asks_for(ShadowMethod::ray) ? shadows : std::span<const VisibilitySource* const>());
+}
+
+SampleTile make_records(const Setting& setting, const Runner& runner, const SampleTile& samples,
+                        const RayMemory& memory) {
+  if (!is_reduced(runner.trial.method)) return samples;
+  ReductionLights lights = runner.lights->lights();
+  std::optional<TrainingSet> shadowed;
+  if (!runner.shadowed_training.empty()) {
+    shadowed = make_training_set(runner.shadowed_training, setting.types(), runner.view.rays.eye(),
+                                 setting.scene_radius);
+    shadowed->visibility = memory.sources(*shadowed->lights);
+    lights.training = &*shadowed;
+  }
+  return reduce_tile(samples, setting.types(), runner.params, runner.view.width, lights);
+}
+
 void measure_trial(const Setting& setting, const Runner& runner, const SampleTile& samples,
-                   const TileValues& reference, size_t index, BatchSums& sums) {
+                   const TileValues& reference, const RayMemory& memory, size_t index,
+                   BatchSums& sums) {
   double* const head = sums.trial(index);
   const Timer timer;
-  const SampleTile records = is_reduced(runner.trial.method)
-                                 ? reduce_tile(samples, setting.types(), runner.params,
-                                               runner.view.width, runner.lights->lights())
-                                 : samples;
+  const SampleTile records = make_records(setting, runner, samples, memory);
   head[2] = timer.ms();
   head[0] = static_cast<double>(records.row_count());
   for (const float error : records.predicted_error) head[1] += error;
-  const TileValues values =
-      tile_values(records, setting.types(), setting.lights, setting.asks_for(ShadowMethod::ray));
+  const TileValues values = look_at(setting, records, memory);
   for (size_t s = 0; s < setting.params.shadows.size(); ++s) {
     const ShadowMethod shadow = setting.params.shadows[s];
     add_errors(values_of(values, shadow), values_of(reference, shadow), setting.lights.count(),
@@ -180,8 +232,8 @@ void measure_trial(const Setting& setting, const Runner& runner, const SampleTil
 BatchSums measure_tile(const Setting& setting, std::span<const Runner> runners, int tile) {
   BatchSums sums(setting.params);
   const SampleTile reference_samples = sample_tile(setting.reference_view, tile);
-  const TileValues reference = tile_values(reference_samples, setting.types(), setting.lights,
-                                           setting.asks_for(ShadowMethod::ray));
+  const RayMemory memory(setting.targets);
+  const TileValues reference = look_at(setting, reference_samples, memory);
   for (size_t s = 0; s < setting.params.shadows.size(); ++s) {
     for (const float value : values_of(reference, setting.params.shadows[s])) {
       sums.reference(s) += value;
@@ -195,7 +247,7 @@ BatchSums measure_tile(const Setting& setting, std::span<const Runner> runners, 
     const ViewSampler& view = runners[i].view;
     if (spp != view.strata.spp) samples = sample_tile(view, tile);
     spp = view.strata.spp;
-    measure_trial(setting, runners[i], samples, reference, i, sums);
+    measure_trial(setting, runners[i], samples, reference, memory, i, sums);
   }
   return sums;
 }

@@ -44,15 +44,15 @@ struct MethodStudyParams {
 struct MethodFigure {
   MethodTrial trial;
   ShadowMethod shadow = ShadowMethod::none;
-  std::vector<double> errors;  ///< per test light: TR2007-600 eq. 7 over covered pixels
-  double error = 0;            ///< their mean
-  double error_stddev = 0;     ///< their standard deviation
-  double error_half_95 = 0;    ///< half the 95 % confidence interval of the mean
-  double error_image = 0;      ///< the mean of eq. 7 over all pixels
-  double reference_mean = 0;   ///< mean value of covered pixels, lights and RGB
-  double predicted_error = 0;  ///< mean over covered pixels; 0 for methods that predict none
-  double average_records = 0;  ///< per covered pixel
-  double thread_ms_reduce = 0;
+  std::vector<double> errors;   ///< per test light: TR2007-600 eq. 7 over covered pixels
+  double error = 0;             ///< their mean
+  double error_stddev = 0;      ///< their standard deviation
+  double error_half_95 = 0;     ///< half the 95 % confidence interval of the mean
+  double error_image = 0;       ///< the mean of eq. 7 over all pixels
+  double reference_mean = 0;    ///< mean value of covered pixels, lights and RGB
+  double predicted_error = 0;   ///< mean over covered pixels; 0 for methods that predict none
+  double average_records = 0;   ///< per covered pixel
+  double thread_ms_reduce = 0;  ///< without shadow rays that an earlier trial has traced
   int64_t covered_pixels = 0;
 };
 

@@ -40,11 +40,11 @@ struct RowScratch {
 };
 
 void trace_rows(const SampleType& type, const float* rows, int count, const TestLights& lights,
-                RowScratch& scratch) {
+                std::span<const VisibilitySource* const> shadows, RowScratch& scratch) {
   scratch.receivers.fill(type, rows, count);
   scratch.visibility.assign(lights.count() * count, 1.0f);
   for (size_t light = 0; light < lights.count(); ++light) {
-    const TracedVisibility* source = lights.shadows[lights.columns[light]].get();
+    const VisibilitySource* source = shadows[lights.columns[light]];
     if (source == nullptr) continue;
     source->visibility(scratch.receivers.receivers, &scratch.visibility[light * count]);
   }
@@ -77,6 +77,12 @@ void add_rows(const TestLights& lights, int type, const TypedRows& rows, int pix
 
 }  // namespace
 
+std::vector<const VisibilitySource*> TestLights::sources() const {
+  std::vector<const VisibilitySource*> sources;
+  for (const auto& source : shadows) sources.push_back(source.get());
+  return sources;
+}
+
 TestLights make_test_lights(std::span<const Light> lights, const ViewSampler& view,
                             float scene_radius) {
   TestLights result{
@@ -95,7 +101,8 @@ TestLights make_test_lights(std::span<const Light> lights, const ViewSampler& vi
 }
 
 TileValues tile_values(const SampleTile& tile, std::span<const SampleType> types,
-                       const TestLights& lights, bool traced) {
+                       const TestLights& lights, std::span<const VisibilitySource* const> shadows) {
+  const bool traced = !shadows.empty();
   const auto columns = static_cast<size_t>(lights.set.evaluator.lights().columns());
   const size_t values = static_cast<size_t>(tile.pixel_count()) * 3 * lights.count();
   TileValues out{std::vector<float>(values, 0.0f), std::vector<float>(traced ? values : 0, 0.0f)};
@@ -109,7 +116,7 @@ TileValues tile_values(const SampleTile& tile, std::span<const SampleType> types
       if (count == 0) continue;
       if (traced) {
         trace_rows(types[t], &rows.values[size_t{rows.first[pixel]} * types[t].width],
-                   static_cast<int>(count), lights, scratch);
+                   static_cast<int>(count), lights, shadows, scratch);
       }
       add_rows(lights, static_cast<int>(t), rows, pixel, traced, scratch, out);
     }

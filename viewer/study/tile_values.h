@@ -17,6 +17,8 @@ struct TestLights {
   std::vector<size_t> columns;                             ///< of the lights in their order
 
   size_t count() const { return columns.size(); }
+  /// Per column, what shadows it by a ray.
+  std::vector<const VisibilitySource*> sources() const;
 };
 
 /// `scene_radius` in world units; keeps references to `view`'s types and tracer. Lights of one kind
@@ -30,8 +32,9 @@ struct TileValues {
   std::vector<float> traced;  ///< the same, each row with one shadow ray a light; empty = not asked
 };
 
-/// Rows are samples or records. One shadow ray a row and light where `traced`.
+/// Rows are samples or records. `shadows`: what shadows each column, null: nothing; an empty span:
+/// TileValues::traced is not asked for.
 TileValues tile_values(const SampleTile& tile, std::span<const SampleType> types,
-                       const TestLights& lights, bool traced);
+                       const TestLights& lights, std::span<const VisibilitySource* const> shadows);
 
 }  // namespace relume

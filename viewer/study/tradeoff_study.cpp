@@ -138,7 +138,7 @@ class TracedPicture final : public Picture {
  private:
   void trace_tile(int index, const TestLights& lights) {
     const SampleTile tile = sample_tile(view_, index);
-    const TileValues values = tile_values(tile, view_.types.types, lights, true);
+    const TileValues values = tile_values(tile, view_.types.types, lights, lights.sources());
     for (int y = 0; y < tile.height; ++y) {
       const float* row = &values.traced[static_cast<size_t>(y) * tile.width * 3];
       std::copy_n(row, size_t{3} * tile.width, image_.at(tile.x0, tile.y0 + y));
