@@ -111,7 +111,8 @@ TEST(ShadowTruth, OfAnUnshadowedPlaneIsOne) {
   const Tracer tracer(scene);
   const ViewSampler view = make_view_sampler(scene, tracer, 32, 32, 4, 1);
   const StudyLight light{"above", {make_point_light({0, 0, 3}, 9)}};
-  const ShadowTruth truth = trace_truth(view, make_window(0, vec2(0), 32, 32), {&light, 1}, {});
+  TrialLog log;
+  const ShadowTruth truth = trace_truth(view, make_window(0, vec2(0), 32, 32), {&light, 1}, log, {});
   for (size_t i = 0; i < truth.covered.size(); ++i) {
     EXPECT_EQ(truth.covered[i], 1);
     EXPECT_EQ(truth.steps[0][0][i], 1);
@@ -150,7 +151,8 @@ TEST(ShadowTruth, FadesAtTheTerminatorOfASphere) {
   const Tracer tracer(scene);
   const ViewSampler view = make_view_sampler(scene, tracer, 48, 48, 16, 1);
   const StudyLight light{"side", {make_directional_light({-1, 0, 0})}};
-  const ShadowTruth truth = trace_truth(view, make_window(0, vec2(0), 48, 48), {&light, 1}, {});
+  TrialLog log;
+  const ShadowTruth truth = trace_truth(view, make_window(0, vec2(0), 48, 48), {&light, 1}, log, {});
   for (int x = 12; x < 36; ++x) {
     const float seen = truth.steps[0][0][24 * 48 + x];
     if (x < 22 || x > 25) {
@@ -169,7 +171,8 @@ TEST(ShadowStudy, AllSamplesTracedAreTheirOwnReference) {
   params.truth_spp = 64;
   params.window = 32;
   params.keep_maps = true;
-  const ShadowStudy study = study_shadows(scene, tracer, params, {});
+  TrialLog log;
+  const ShadowStudy study = study_shadows(scene, tracer, params, log, {});
   ASSERT_EQ(study.figures.size(), 3u);
   EXPECT_EQ(study.figures[0].trial.method, ReductionMethod::all);
   EXPECT_NEAR(study.figures[0].average_records, 9, 1e-9);
@@ -195,9 +198,11 @@ TEST(ShadowStudy, DoesNotDependOnThreads) {
   params.truth_spp = 16;
   params.steps = 1;
   set_thread_count(1);
-  const ShadowStudy one = study_shadows(scene, tracer, params, {});
+  TrialLog log;
+  TrialLog other_log;
+  const ShadowStudy one = study_shadows(scene, tracer, params, log, {});
   set_thread_count(4);
-  const ShadowStudy four = study_shadows(scene, tracer, params, {});
+  const ShadowStudy four = study_shadows(scene, tracer, params, other_log, {});
   set_thread_count(0);
   for (size_t f = 0; f < one.figures.size(); ++f) {
     for (size_t l = 0; l < one.lights.size(); ++l) {

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/scene/io/load_scene.h"
@@ -50,6 +48,7 @@ std::string describe_settings(const StudyOptions& o, const CommonOptions& common
       "program {}\nstudy {} seed {} quick {}\nmethods {}\nshadows {}\nrecords {}\n", hash_program(),
       o.name, common.seed, o.quick, list_labels(o.methods, reduction_method_labels),
       list_labels(o.shadows, shadow_method_labels), fmt::join(o.records, " "));
+  text += fmt::format("timed {} pictures {}\n", o.timed, o.pictures);
   text += fmt::format(
       "budgets {}\nlights {} training {} {}\nspp {} truth {}\nsize {} {} stride {} window {}\n",
       fmt::join(o.average_records, " "), o.lights, o.training_lights, o.train_shadows, o.spp,
@@ -60,37 +59,18 @@ std::string describe_settings(const StudyOptions& o, const CommonOptions& common
   return text;
 }
 
-/// The shadow study writes its own document; the page is made from that.
-void run_shadows(StudyOptions options, const CommonOptions& common) {
-  if (options.records.empty()) {
-    options.records = options.quick ? std::vector{8} : std::vector{8, 4, 2};
-  }
-  if (options.methods.empty() && options.quick) {
-    options.methods = {ReductionMethod::strong_kmeans, ReductionMethod::light_fit};
-  }
-  run_shadow_study(options, common);
-  if (!options.output) return;
-  std::vector<std::string> pictures;
-  for (const auto& entry : std::filesystem::directory_iterator(*options.output)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with("shadows-") && name.ends_with(".png")) pictures.push_back(name);
-  }
-  std::ranges::sort(pictures);
-  write_study_page(*options.output, "shadows", pictures);
-}
-
 StudyResult measure(const StudyOptions& options, const CommonOptions& common, TrialLog& log) {
   if (options.name == "tradeoff") return run_tradeoff_study(options, common, log);
   if (options.name == "stability") return run_stability_study(options, common, log);
+  if (options.name == "shadows") return run_shadow_study(options, common, log);
   if (options.name == "pictures" || options.name == "smooth") {
-    return run_picture_study(options, common);
+    return run_picture_study(options, common, log);
   }
   return run_method_study(options, common, log);
 }
 
 void run_one(StudyOptions options, const CommonOptions& common) {
   if (options.scenes.empty()) options.scenes = own_scenes(options.name);
-  if (options.name == "shadows") return run_shadows(options, common);
   TrialLog log;
   if (options.output) {
     log =

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
 #include "core/image/image_io.h"
 #include "viewer/commands/json_output.h"
 #include "viewer/commands/relight_input.h"
@@ -16,7 +15,9 @@ constexpr int quick_window = 96;  ///< pixels
 
 std::vector<ShadowTrial> make_trials(const StudyOptions& options) {
   std::vector<ReductionMethod> methods = options.methods;
-  if (methods.empty()) {
+  if (methods.empty() && options.quick) {
+    methods = {ReductionMethod::strong_kmeans, ReductionMethod::light_fit};
+  } else if (methods.empty()) {
     methods = {ReductionMethod::strong_kmeans, ReductionMethod::kmeans, ReductionMethod::light_fit};
   }
   std::vector<ShadowMethod> shadows = options.shadows;
@@ -26,9 +27,11 @@ std::vector<ShadowTrial> make_trials(const StudyOptions& options) {
       if (shadow != ShadowMethod::automatic) shadows.push_back(shadow);
     }
   }
+  std::vector<int> records = options.records;
+  if (records.empty()) records = options.quick ? std::vector{8} : std::vector{8, 4, 2};
   std::vector<ShadowTrial> trials;
   for (const ReductionMethod method : methods) {
-    for (const int k : options.records) {
+    for (const int k : records) {
       for (const ShadowMethod shadow : shadows) trials.push_back({shadow, method, k});
     }
   }
@@ -61,36 +64,45 @@ std::string label_of_trial(const ShadowTrial& trial) {
 }
 
 FigureRow to_row(const std::string& scene, const ShadowFigure& figure,
-                 const ShadowLightFigure& light, const ShadowStudyParams& params) {
+                 const ShadowLightFigure& light, const ShadowStudyParams& params,
+                 uint64_t primitives) {
   const ShadowTimes& times = figure.times;
+  const ShadowMethod shadow = figure.trial.shadow;
+  const bool is_ray = shadow == ShadowMethod::ray;
+  const bool draws = shadow == ShadowMethod::coverage || shadow == ShadowMethod::opacity;
+  const double move_s = times.ms_move * 1e-3;
   const double percent = light.reference_mean > 0 ? 1 / light.reference_mean : 0;
-  return {{"scene", scene},
-          {"method", std::string(label_of(reduction_method_labels, figure.trial.method))},
-          {"records", int64_t{figure.trial.records}},
-          {"average_records", figure.average_records},
-          {"spp", int64_t{params.spp}},
-          {"truth_spp", int64_t{params.truth_spp}},
-          {"shadow", std::string(label_of(shadow_method_labels, figure.trial.shadow))},
-          {"light", light.light},
-          {"truth_visibility", light.truth_visibility},
-          {"mae", light.visibility.mae},
-          {"bias", light.visibility.bias},
-          {"noise", light.visibility.noise},
-          {"flicker", light.flicker},
-          {"truth_change", light.truth_change},
-          {"error", light.error},
-          {"error_relative", light.error * percent},
-          {"error_of_all", light.error_of_all},
-          {"error_of_all_relative", light.error_of_all * percent},
-          {"reference_mean", light.reference_mean},
-          {"ms_prepare", times.ms_prepare},
-          {"ms_move", times.ms_move},
-          {"ms_coarse", times.ms_coarse},
-          {"coarse_ratio_to_ray", times.coarse_ratio_to_ray},
-          {"ratio_to_ray", times.ratio_to_ray},
-          {"ratio_to_all", times.ratio_to_all},
-          {"records_per_s", times.records_per_s},
-          {"structure_bytes", static_cast<int64_t>(figure.structure_bytes)}};
+  return {
+      {"scene", scene},
+      {"method", std::string(label_of(reduction_method_labels, figure.trial.method))},
+      {"records", int64_t{figure.trial.records}},
+      {"average_records", figure.average_records},
+      {"spp", int64_t{params.spp}},
+      {"truth_spp", int64_t{params.truth_spp}},
+      {"shadow", std::string(label_of(shadow_method_labels, figure.trial.shadow))},
+      {"light", light.light},
+      {"truth_visibility", light.truth_visibility},
+      {"mae", light.visibility.mae},
+      {"bias", light.visibility.bias},
+      {"noise", light.visibility.noise},
+      {"flicker", light.flicker},
+      {"truth_change", light.truth_change},
+      {"error", light.error},
+      {"error_relative", light.error * percent},
+      {"error_of_all", light.error_of_all},
+      {"error_of_all_relative", light.error_of_all * percent},
+      {"reference_mean", light.reference_mean},
+      {"ms_prepare", times.ms_prepare},
+      {"ms_move", times.ms_move},
+      {"ms_coarse", times.ms_coarse},
+      {"coarse_ratio_to_ray", times.coarse_ratio_to_ray},
+      {"ratio_to_ray", times.ratio_to_ray},
+      {"ratio_to_all", times.ratio_to_all},
+      {"records_per_s", times.records_per_s},
+      {"rays_per_s", is_ray ? times.records_per_s : 0.0},
+      {"primitives", static_cast<int64_t>(primitives)},
+      {"primitives_per_s", draws && move_s > 0 ? static_cast<double>(primitives) / move_s : 0.0},
+      {"structure_bytes", static_cast<int64_t>(figure.structure_bytes)}};
 }
 
 void print_table(const std::string& scene, const ShadowStudy& study,
@@ -172,33 +184,32 @@ DisplayImage draw_maps(const ShadowStudy& study) {
 
 }  // namespace
 
-int run_shadow_study(const StudyOptions& options, const CommonOptions& common) {
-  std::vector<FigureRow> rows;
-  if (options.output) make_folder(*options.output);
+StudyResult run_shadow_study(const StudyOptions& options, const CommonOptions& common,
+                             TrialLog& log) {
+  StudyResult result{options.name, {{"rows", {}}}, {}, {}};
+  std::vector<FigureRow>& rows = result.tables.front().rows;
   const ShadowStudyParams params = make_study_params(options, common);
   for (const std::string& name : options.scenes) {
     const RelightInput input = open_scene(name, common);
     const std::string& scene = input.scene->name;
-    const ShadowStudy study =
-        study_shadows(*input.scene, *input.tracer, params, make_terminal_progress(common.quiet));
+    const SceneCounts counts = count_scene(*input.scene);
+    const uint64_t primitives = counts.instanced_triangles + counts.instanced_segments;
+    const ShadowStudy study = study_shadows(*input.scene, *input.tracer, params, log,
+                                            make_terminal_progress(common.quiet));
     if (!common.json) print_table(scene, study, params);
     for (const ShadowFigure& figure : study.figures) {
       for (const ShadowLightFigure& light : figure.lights) {
-        rows.push_back(to_row(scene, figure, light, params));
+        rows.push_back(to_row(scene, figure, light, params, primitives));
       }
-      rows.push_back(to_row(scene, figure, mean_figure(figure), params));
+      rows.push_back(to_row(scene, figure, mean_figure(figure), params, primitives));
     }
-    if (options.output && options.pictures) {
-      write_png(*options.output / fmt::format("shadows-{}.png", scene), draw_maps(study));
-    }
+    if (!options.output || !options.pictures) continue;
+    const DisplayImage maps = draw_maps(study);
+    const std::string file = fmt::format("shadows-{}.png", file_part(scene));
+    write_png(*options.output / file, maps);
+    result.pictures.push_back({scene, "maps of visibility", "", file, maps.width, maps.height});
   }
-  const std::string json = format_figures("relume-study-shadows-1", common, rows);
-  if (common.json) fmt::print("{}", json);
-  if (options.output) {
-    write_file_atomic(*options.output / "shadows.json", json);
-    write_file_atomic(*options.output / "shadows.csv", format_csv(rows));
-  }
-  return 0;
+  return result;
 }
 
 }  // namespace relume

@@ -1,10 +1,13 @@
 #pragma once
 
-#include "viewer/commands/options.h"
+#include "viewer/commands/study_files.h"
+#include "viewer/study/trial_log.h"
 
 namespace relume {
 
-/// `relume study shadows`: shadow approximators against the truth, by scene and light.
-int run_shadow_study(const StudyOptions& options, const CommonOptions& common);
+/// The study `shadows`: shadow approximators against the truth, by scene and light. Prints tables
+/// unless JSON is asked for.
+StudyResult run_shadow_study(const StudyOptions& options, const CommonOptions& common,
+                             TrialLog& log);
 
 }  // namespace relume

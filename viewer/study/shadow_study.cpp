@@ -1,19 +1,20 @@
 #include "viewer/study/shadow_study.h"
 
+#include <fmt/format.h>
+
 #include <optional>
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
-#include "core/base/timer.h"
 #include "core/image/metrics.h"
 #include "core/relight/pixel_visibility.h"
-#include "core/relight/receivers.h"
 #include "core/relight/relight.h"
 #include "core/samples/cache_writer.h"
 #include "core/shade/shaders.h"
 #include "viewer/session/method_training.h"
 #include "viewer/session/prepare.h"
 #include "viewer/study/lit_visibility.h"
+#include "viewer/study/shadow_times.h"
 
 namespace relume {
 namespace {
@@ -203,55 +204,63 @@ ShadowFigure measure_trial(const Setting& setting, const ShadowStudy& study,
   return figure;
 }
 
-/// Asks for the records of the pixels that coarse frames shade.
-void query_coarse(const RelightCache& cache, const VisibilitySource& source) {
-  const BlockDecoder decoder(cache, InstructionSet::automatic);
-  const auto tiles = cache.tiles();
-  parallel_for(tiles.size(), 1, [&](size_t begin, size_t end) {
-    std::vector<float> scratch;
-    std::vector<float> visibility;
-    for (size_t t = begin; t < end; ++t) {
-      size_t first = tiles[t].first_slot * block_lanes;
-      const int blocks = cache.block_count(tiles[t], PixelShare::quarter);
-      for (int b = 0; b < blocks; ++b) {
-        const PackedBlock block = cache.block(tiles[t], b);
-        query_block(cache.info(), block, decoder.floats(block, scratch), first, source, visibility);
-        first += visibility.size();
-      }
-    }
-  });
+/// All samples, each with its ray: the trial that all others are held against.
+ReferenceFrames make_reference(const Setting& setting, const ShadowStudy& study) {
+  const RelightCache cache = prepare_window(setting, ReductionMethod::all, setting.params.spp);
+  const auto source = make_shadow(ShadowMethod::ray, setting.tracer, cache);
+  ReferenceFrames frames;
+  for (const StudyLight& light : study.lights) {
+    frames.push_back(window_frame(setting, cache, source.get(), light.path.front()));
+  }
+  return frames;
 }
 
-/// Least time of a move of the first light on all records of `cache`.
-ShadowTimes time_trial(const Setting& setting, const RelightCache& cache, const StudyLight& light,
-                       ShadowMethod shadow) {
-  const auto source = make_shadow(shadow, setting.tracer, cache);
-  ShadowTimes times;
-  if (source == nullptr) return times;
-  times.ms_move = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < setting.params.repeats; ++i) {
-    const Timer timer;
-    source->prepare(light.path[static_cast<size_t>(i) % light.path.size()]);
-    const double prepared_ms = timer.ms();
-    query_cache(cache, *source);
-    const double ms = timer.ms();
-    if (ms >= times.ms_move) continue;
-    times.ms_move = ms;
-    times.ms_prepare = prepared_ms;
-  }
-  // A coarse frame asks for a quarter of the pixels, unless prepare() answers for all.
-  times.ms_coarse = times.ms_move;
-  if (source->all_visibility().empty()) {
-    double look_up_ms = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < setting.params.repeats; ++i) {
-      const Timer timer;
-      query_coarse(cache, *source);
-      look_up_ms = std::min(look_up_ms, timer.ms());
+/// A trial's place in the log.
+std::string name_trial(const Setting& setting, const ShadowTrial& trial) {
+  return fmt::format("{}: {} {} {}", setting.scene.name,
+                     label_of(reduction_method_labels, trial.method), trial.records,
+                     label_of(shadow_method_labels, trial.shadow));
+}
+
+/// Calls visit(number) for all that a trial measured but its times and maps.
+template <class Visit>
+void visit_figure(ShadowFigure& figure, const Visit& visit) {
+  visit(figure.average_records);
+  for (ShadowLightFigure& light : figure.lights) {
+    for (double* number : {&light.truth_visibility, &light.visibility.mae, &light.visibility.bias,
+                           &light.visibility.noise, &light.flicker, &light.truth_change,
+                           &light.error, &light.error_of_all, &light.reference_mean}) {
+      visit(*number);
     }
-    times.ms_coarse = times.ms_prepare + look_up_ms;
   }
-  times.records_per_s = static_cast<double>(cache.info().record_count) / (times.ms_move * 1e-3);
-  return times;
+}
+
+/// The structure's bytes, the numbers and the maps, as the log keeps them.
+std::vector<double> to_values(ShadowFigure figure) {
+  std::vector<double> values{static_cast<double>(figure.structure_bytes)};
+  visit_figure(figure, [&](double number) { values.push_back(number); });
+  for (const ShadowLightFigure& light : figure.lights) {
+    values.insert(values.end(), light.map.begin(), light.map.end());
+  }
+  return values;
+}
+
+ShadowFigure to_figure(const Setting& setting, const ShadowStudy& study, const ShadowTrial& trial,
+                       const std::vector<double>& values) {
+  ShadowFigure figure;
+  figure.trial = trial;
+  figure.structure_bytes = static_cast<uint64_t>(values[0]);
+  figure.lights.resize(study.lights.size());
+  size_t at = 1;
+  visit_figure(figure, [&](double& number) { number = values[at++]; });
+  const size_t map_size = setting.params.keep_maps ? study.truth.covered.size() : 0;
+  CHECK_MSG(values.size() == at + map_size * figure.lights.size(), "{} {}", values.size(), at);
+  for (size_t l = 0; l < figure.lights.size(); ++l) {
+    figure.lights[l].light = study.lights[l].name;
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(at + l * map_size);
+    figure.lights[l].map.assign(first, first + static_cast<std::ptrdiff_t>(map_size));
+  }
+  return figure;
 }
 
 /// Which records a trial asks for.
@@ -261,36 +270,69 @@ RecordKey key_of(const ShadowTrial& trial) {
   return {trial.method, trial.method == ReductionMethod::all ? 0 : trial.records};
 }
 
-/// Times the trials of all samples and those with the first trial's reduction, on whole pictures.
-void time_trials(const Setting& setting, ShadowStudy& study, const ProgressCallback& progress) {
-  const ReductionMethod timed_method = setting.params.trials.front().method;
-  ShadowTimes ray;
-  double all_ms = 0;
-  std::optional<RelightCache> cache;
-  std::optional<RecordKey> cached;
-  for (ShadowFigure& figure : study.figures) {
-    const bool is_all = figure.trial.method == ReductionMethod::all;
-    if (!is_all && figure.trial.method != timed_method) continue;
-    const RecordKey key = key_of(figure.trial);
-    if (cached != key) {
-      PrepareParams prepare;
-      prepare.spp = setting.params.spp;
-      prepare.width = setting.view.width;
-      prepare.height = setting.view.height;
-      prepare.training = setting.params.training;
-      prepare.reduction = make_reduction(setting, figure.trial.method, figure.trial.records);
-      cache.reset();
-      cache = prepare_in_memory(setting.scene, setting.tracer, prepare, progress);
-      cached = key;
-      ray = time_trial(setting, *cache, study.lights.front(), ShadowMethod::ray);
-      if (is_all) all_ms = ray.ms_move;
+/// Times of light moves on whole pictures, out of the log where it holds them.
+class MoveTimes {
+ public:
+  MoveTimes(const Setting& setting, const StudyLight& light, TrialLog& log,
+            ProgressCallback progress)
+      : setting_(setting), light_(light), log_(log), progress_(std::move(progress)) {}
+
+  ShadowTimes get(const ShadowTrial& trial) {
+    if (trial.shadow == ShadowMethod::none) return {};
+    const std::string key = name_trial(setting_, trial) + ", times";
+    const std::vector<double>* values = log_.find(key);
+    if (values == nullptr) {
+      const ShadowTimes times = time_moves(setting_.tracer, records(trial), light_, trial.shadow,
+                                           setting_.params.repeats);
+      values =
+          &log_.add(key, {times.ms_prepare, times.ms_move, times.ms_coarse, times.records_per_s});
     }
-    const bool is_ray = figure.trial.shadow == ShadowMethod::ray;
-    figure.times =
-        is_ray ? ray : time_trial(setting, *cache, study.lights.front(), figure.trial.shadow);
-    figure.times.ratio_to_ray = figure.times.ms_move / ray.ms_move;
-    figure.times.coarse_ratio_to_ray = figure.times.ms_coarse / ray.ms_move;
-    figure.times.ratio_to_all = all_ms > 0 ? figure.times.ms_move / all_ms : 0;
+    CHECK_MSG(values->size() == 4, "{}", values->size());
+    ShadowTimes times;
+    times.ms_prepare = (*values)[0];
+    times.ms_move = (*values)[1];
+    times.ms_coarse = (*values)[2];
+    times.records_per_s = (*values)[3];
+    return times;
+  }
+
+ private:
+  const RelightCache& records(const ShadowTrial& trial) {
+    if (cache_ && cached_ == key_of(trial)) return *cache_;
+    PrepareParams prepare;
+    prepare.spp = setting_.params.spp;
+    prepare.width = setting_.view.width;
+    prepare.height = setting_.view.height;
+    prepare.training = setting_.params.training;
+    prepare.reduction = make_reduction(setting_, trial.method, trial.records);
+    cache_.reset();
+    cache_ = prepare_in_memory(setting_.scene, setting_.tracer, prepare, progress_);
+    cached_ = key_of(trial);
+    return *cache_;
+  }
+
+  const Setting& setting_;
+  const StudyLight& light_;
+  TrialLog& log_;
+  ProgressCallback progress_;
+  std::optional<RelightCache> cache_;
+  RecordKey cached_{};
+};
+
+/// Times the trials of all samples and those with the first trial's reduction.
+void time_trials(const Setting& setting, ShadowStudy& study, TrialLog& log,
+                 const ProgressCallback& progress) {
+  const ReductionMethod timed_method = setting.params.trials.front().method;
+  MoveTimes moves(setting, study.lights.front(), log, progress);
+  const double all_ms = moves.get(study.figures.front().trial).ms_move;
+  for (ShadowFigure& figure : study.figures) {
+    const ShadowTrial& trial = figure.trial;
+    if (trial.method != ReductionMethod::all && trial.method != timed_method) continue;
+    const double ray_ms = moves.get({ShadowMethod::ray, trial.method, trial.records}).ms_move;
+    figure.times = moves.get(trial);
+    figure.times.ratio_to_ray = figure.times.ms_move / ray_ms;
+    figure.times.coarse_ratio_to_ray = figure.times.ms_coarse / ray_ms;
+    figure.times.ratio_to_all = figure.times.ms_move / all_ms;
   }
 }
 
@@ -309,6 +351,31 @@ std::vector<ShadowTrial> order_trials(const ShadowStudyParams& params) {
     return std::ranges::find(order, key_of(a)) < std::ranges::find(order, key_of(b));
   });
   return trials;
+}
+
+void measure_trials(const Setting& setting, ShadowStudy& study, TrialLog& log,
+                    const ProgressCallback& callback) {
+  const std::vector<ShadowTrial> trials = order_trials(setting.params);
+  Progress progress(callback, "study shadows of " + setting.scene.name);
+  ReferenceFrames reference;
+  std::optional<RelightCache> cache;
+  RecordKey cached{};
+  for (size_t i = 0; i < trials.size(); ++i) {
+    const std::string key = name_trial(setting, trials[i]);
+    if (const std::vector<double>* known = log.find(key)) {
+      study.figures.push_back(to_figure(setting, study, trials[i], *known));
+      continue;
+    }
+    if (i > 0 && reference.empty()) reference = make_reference(setting, study);
+    if (!cache || key_of(trials[i]) != cached) {
+      cache.reset();
+      cache = prepare_window(setting, trials[i].method, trials[i].records);
+      cached = key_of(trials[i]);
+    }
+    study.figures.push_back(measure_trial(setting, study, *cache, trials[i], reference));
+    log.add(key, to_values(study.figures.back()));
+    progress.update(static_cast<double>(i + 1), static_cast<double>(trials.size()));
+  }
 }
 
 }  // namespace
@@ -332,7 +399,7 @@ ShadowLightFigure mean_figure(const ShadowFigure& figure) {
 }
 
 ShadowStudy study_shadows(const Scene& scene, const Tracer& tracer, const ShadowStudyParams& params,
-                          const ProgressCallback& callback) {
+                          TrialLog& log, const ProgressCallback& callback) {
   CHECK_MSG(params.spp >= 1 && params.truth_spp >= 1 && params.steps >= 0 && params.repeats >= 1,
             "{} {} {} {}", params.spp, params.truth_spp, params.steps, params.repeats);
   const int width = params.width > 0 ? params.width : scene.width;
@@ -349,20 +416,9 @@ ShadowStudy study_shadows(const Scene& scene, const Tracer& tracer, const Shadow
                         study.window};
   study.truth = trace_truth(make_view_sampler(scene, tracer, width, height, params.truth_spp,
                                               params.seed + truth_seed_offset),
-                            study.window, study.lights, callback);
-  const std::vector<ShadowTrial> trials = order_trials(params);
-  Progress progress(callback, "study shadows of " + scene.name);
-  ReferenceFrames reference;
-  std::optional<RelightCache> cache;
-  for (size_t i = 0; i < trials.size(); ++i) {
-    if (i == 0 || key_of(trials[i]) != key_of(trials[i - 1])) {
-      cache.reset();
-      cache = prepare_window(setting, trials[i].method, trials[i].records);
-    }
-    study.figures.push_back(measure_trial(setting, study, *cache, trials[i], reference));
-    progress.update(static_cast<double>(i + 1), static_cast<double>(trials.size()));
-  }
-  if (params.timed) time_trials(setting, study, callback);
+                            study.window, study.lights, log, callback);
+  measure_trials(setting, study, log, callback);
+  if (params.timed) time_trials(setting, study, log, callback);
   return study;
 }
 

@@ -7,7 +7,9 @@
 #include "reduction/reduction.h"
 #include "reduction/training.h"
 #include "shadow/shadow.h"
+#include "viewer/study/shadow_times.h"
 #include "viewer/study/shadow_truth.h"
+#include "viewer/study/trial_log.h"
 #include "viewer/study/visibility_error.h"
 
 namespace relume {
@@ -50,18 +52,6 @@ struct ShadowLightFigure {
   std::vector<float> map;       ///< visibility by pixel of the window, when kept
 };
 
-/// Milliseconds of one light move: VisibilitySource::prepare and the visibility of every record of
-/// the whole picture, all threads, without shading. 0 = not timed.
-struct ShadowTimes {
-  double ms_prepare = 0;
-  double ms_move = 0;    ///< both
-  double ms_coarse = 0;  ///< of a coarse frame's move: a quarter of the pixels (PixelShare)
-  double coarse_ratio_to_ray = 0;  ///< ms_coarse to one traced ray a record of all pixels
-  double ratio_to_ray = 0;         ///< to one traced ray a record, the same records
-  double ratio_to_all = 0;         ///< to one traced ray a sample
-  double records_per_s = 0;
-};
-
 struct ShadowFigure {
   ShadowTrial trial;
   double average_records = 0;  ///< per covered pixel
@@ -81,7 +71,8 @@ struct ShadowStudy {
 ShadowLightFigure mean_figure(const ShadowFigure& figure);
 
 /// Measures every trial, with all samples traced as the first. Deterministic but for the times.
+/// Parts that `log` holds are taken from it, the others are added to it.
 ShadowStudy study_shadows(const Scene& scene, const Tracer& tracer, const ShadowStudyParams& params,
-                          const ProgressCallback& progress);
+                          TrialLog& log, const ProgressCallback& progress);
 
 }  // namespace relume

@@ -1,5 +1,8 @@
 #include "viewer/study/shadow_truth.h"
 
+#include <fmt/format.h>
+
+#include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/shade/reference.h"
 #include "shadow/traced.h"
@@ -116,6 +119,48 @@ void add_tile(const ViewSampler& view, const StudyWindow& window,
   }
 }
 
+/// Calls visit(value) for every number of a tile, always in the same order.
+template <class Visit>
+void visit_tile(const TileRectangle& tile, const StudyWindow& window, ShadowTruth& truth,
+                const Visit& visit) {
+  for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
+    for (int x = tile.x0; x < tile.x0 + tile.width; ++x) {
+      const size_t i = static_cast<size_t>(y - window.y0) * window.width + (x - window.x0);
+      visit(truth.covered[i]);
+      for (auto& steps : truth.steps) {
+        for (std::vector<float>& step : steps) visit(step[i]);
+      }
+      for (Image& frame : truth.frames) {
+        for (size_t c = 0; c < 3; ++c) visit(frame.pixels[3 * i + c]);
+      }
+    }
+  }
+}
+
+/// Takes the tiles from the log; false where it does not hold them.
+bool read_tiles(const ViewSampler& view, const StudyWindow& window, std::span<const int> tiles,
+                const std::vector<double>* values, ShadowTruth& truth) {
+  if (values == nullptr) return false;
+  size_t at = 0;
+  for (const int tile : tiles) {
+    visit_tile(tile_rectangle(view, tile), window, truth, [&](float& value) {
+      CHECK(at < values->size());
+      value = static_cast<float>((*values)[at++]);
+    });
+  }
+  return true;
+}
+
+std::vector<double> list_tiles(const ViewSampler& view, const StudyWindow& window,
+                               std::span<const int> tiles, ShadowTruth& truth) {
+  std::vector<double> values;
+  for (const int tile : tiles) {
+    visit_tile(tile_rectangle(view, tile), window, truth,
+               [&](float value) { values.push_back(value); });
+  }
+  return values;
+}
+
 }  // namespace
 
 StudyWindow make_window(int size_px, vec2 center, int width, int height) {
@@ -134,7 +179,8 @@ StudyWindow make_window(int size_px, vec2 center, int width, int height) {
 }
 
 ShadowTruth trace_truth(const ViewSampler& view, const StudyWindow& window,
-                        std::span<const StudyLight> lights, const ProgressCallback& callback) {
+                        std::span<const StudyLight> lights, TrialLog& log,
+                        const ProgressCallback& callback) {
   const size_t pixels = static_cast<size_t>(window.width) * window.height;
   ShadowTruth truth;
   truth.covered.assign(pixels, 0.0f);
@@ -148,11 +194,14 @@ ShadowTruth trace_truth(const ViewSampler& view, const StudyWindow& window,
   }
   Progress progress(callback, "trace the truth of " + view.scene->name);
   for (size_t first = 0; first < tiles.size(); first += batch_tiles) {
-    const size_t count = std::min(batch_tiles, tiles.size() - first);
-    parallel_for(count, 1, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) add_tile(view, window, lights, tiles[first + i], truth);
+    const auto batch = std::span(tiles).subspan(first, std::min(batch_tiles, tiles.size() - first));
+    const std::string key = fmt::format("{}: truth, tiles from {}", view.scene->name, first);
+    if (read_tiles(view, window, batch, log.find(key), truth)) continue;
+    parallel_for(batch.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) add_tile(view, window, lights, batch[i], truth);
     });
-    progress.update(static_cast<double>(first + count), static_cast<double>(tiles.size()));
+    log.add(key, list_tiles(view, window, batch, truth));
+    progress.update(static_cast<double>(first + batch.size()), static_cast<double>(tiles.size()));
   }
   return truth;
 }

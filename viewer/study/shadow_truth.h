@@ -3,6 +3,7 @@
 #include "core/image/image.h"
 #include "core/samples/sample_scene.h"
 #include "viewer/study/shadow_lights.h"
+#include "viewer/study/trial_log.h"
 
 namespace relume {
 
@@ -32,7 +33,9 @@ struct ShadowTruth {
 /// All samples of `view` within the window, each with its own ray to every place of every light:
 /// spp * pixels * places rays. Visibility is the mean over the samples that hit, unshaded, 0 for
 /// those that the light cannot light (see LitVisibility). All threads, bit-equal for any number.
+/// Tiles that `log` holds are taken from it, the others are added to it, some ten bytes a number.
 ShadowTruth trace_truth(const ViewSampler& view, const StudyWindow& window,
-                        std::span<const StudyLight> lights, const ProgressCallback& progress);
+                        std::span<const StudyLight> lights, TrialLog& log,
+                        const ProgressCallback& progress);
 
 }  // namespace relume

@@ -69,8 +69,8 @@ std::string name_traced(const Setting& setting, int spp) {
 /// The truth, made when the first figure needs it.
 class Truth {
  public:
-  explicit Truth(const Setting& setting, ProgressCallback progress)
-      : setting_(setting), progress_(std::move(progress)) {}
+  Truth(const Setting& setting, TrialLog& log, ProgressCallback progress)
+      : setting_(setting), log_(log), progress_(std::move(progress)) {}
 
   /// Image i is what light i should give.
   const ShadowTruth& get() {
@@ -80,12 +80,13 @@ class Truth {
     const ViewSampler view =
         make_view_sampler(setting_.scene, setting_.tracer, setting_.width, setting_.height,
                           setting_.params.truth_spp, setting_.params.seed + truth_seed_offset);
-    truth_ = trace_truth(view, {0, 0, setting_.width, setting_.height}, places, progress_);
+    truth_ = trace_truth(view, {0, 0, setting_.width, setting_.height}, places, log_, progress_);
     return *truth_;
   }
 
  private:
   const Setting& setting_;
+  TrialLog& log_;
   ProgressCallback progress_;
   std::optional<ShadowTruth> truth_;
 };
@@ -292,7 +293,7 @@ const TradeoffFigure* recommend(const std::vector<TradeoffFigure>& figures, doub
 TradeoffStudy study_tradeoff(const Scene& scene, const Tracer& tracer, const TradeoffParams& params,
                              TrialLog& log, const ProgressCallback& callback) {
   const Setting setting = make_setting(scene, tracer, params);
-  Truth truth(setting, callback);
+  Truth truth(setting, log, callback);
   CacheShelf shelf(setting, callback);
   TradeoffStudy study{setting.width, setting.height, {}};
   Progress progress(callback, "tradeoff " + scene.name);

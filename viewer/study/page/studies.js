@@ -139,10 +139,10 @@ function layoutShadows() {
       parts.push(plot({ title: `${scene}: error against time`, x: "milliseconds a light move, without shading", y: "mean |difference|", series: timed, logX: true }));
     }
   }
-  for (const file of Object.keys(files)) {
-    parts.push(heading(file.replace(/^shadows-|\.png$/g, "")),
+  for (const maps of study.pictures ?? []) {
+    parts.push(heading(`${maps.set}: maps`),
       paragraph("Maps of visibility, a row a light: the truth, then each setting in the order of the table below.", "note"),
-      element("div", { class: "scroll" }, element("img", { src: files[file], alt: "maps of visibility" })));
+      element("div", { class: "scroll" }, element("img", { src: files[maps.file], alt: maps.name })));
   }
   const numbers = ["truth_visibility", "mae", "bias", "noise", "flicker", "truth_change"].map((key) => ({ label: key.replace("_", " "), value: (r) => r[key] }));
   parts.push(heading("All figures"), table({ rows: study.rows, columns: [sceneColumn, { label: "light", value: (r) => r.light }, methodColumn,
