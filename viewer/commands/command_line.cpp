@@ -308,6 +308,8 @@ void add_study(CLI::App& app, Parsed& p) {
   sub.add_flag("--timed", o.timed,
                "methods: how long each reduces; shadows: time light moves of the whole picture");
   sub.add_flag("--pictures", o.pictures, "shadow study: write maps of visibility, side by side");
+  sub.add_flag("--page-only", o.page_only,
+               "measure nothing: make NAME.html of the NAME.json and the pictures in the folder");
   sub.add_option("--tile-stride", o.tile_stride, "measure every n-th tile; 0 = all, quick a part")
       ->check(CLI::Range(0, 1 << 20));
 }

@@ -101,10 +101,11 @@ struct StudyOptions {
   int truth_spp = 0;
   int width = 0;  ///< pixels; 0 = the scene's
   int height = 0;
-  int tile_stride = 0;    ///< measure every n-th tile; 0 = 1, quick: about 24 tiles
-  int window = 0;         ///< shadows: pixels a side of what is measured; 0 = all, quick 96
-  bool timed = false;     ///< times in the figures, where the study is not about them anyway
-  bool pictures = false;  ///< shadows: write maps of visibility, side by side
+  int tile_stride = 0;     ///< measure every n-th tile; 0 = 1, quick: about 24 tiles
+  int window = 0;          ///< shadows: pixels a side of what is measured; 0 = all, quick 96
+  bool timed = false;      ///< times in the figures, where the study is not about them anyway
+  bool pictures = false;   ///< shadows: write maps of visibility, side by side
+  bool page_only = false;  ///< measure nothing, make NAME.html of an earlier run's documents
 };
 
 struct InfoOptions {

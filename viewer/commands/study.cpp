@@ -70,6 +70,10 @@ StudyResult measure(const StudyOptions& options, const CommonOptions& common, Tr
 }
 
 void run_one(StudyOptions options, const CommonOptions& common) {
+  if (options.page_only) {
+    if (!options.output) throw Error(ErrorKind::usage, "--page-only needs -o FOLDER");
+    return write_study_page(*options.output, options.name);
+  }
   if (options.scenes.empty()) options.scenes = own_scenes(options.name);
   TrialLog log;
   if (options.output) {

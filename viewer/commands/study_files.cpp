@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 
 #include "core/base/file.h"
@@ -21,6 +22,17 @@ FigureTable list_pictures(const StudyResult& result) {
                           {"height", int64_t{picture.height}}});
   }
   return table;
+}
+
+void write_page(const std::filesystem::path& folder, const std::string& name,
+                std::span<const std::string> pictures) {
+  constexpr uint64_t max_bytes = uint64_t{1} << 30;
+  const std::string json = read_text_file(folder / (name + ".json"), max_bytes);
+  std::vector<PageFile> files;
+  for (const std::string& file : pictures) {
+    files.push_back({file, read_text_file(folder / file, max_bytes)});
+  }
+  write_file_atomic(folder / (name + ".html"), make_page("Relume: " + name, json, files));
 }
 
 }  // namespace
@@ -49,15 +61,20 @@ void write_study(const std::filesystem::path& folder, const StudyResult& result,
       write_file_atomic(folder / (result.name + suffix + ".csv"), format_csv(table.rows));
     }
   }
-  const std::string json = format_study(result, common);
-  write_file_atomic(folder / (result.name + ".json"), json);
-  constexpr uint64_t max_bytes = uint64_t{1} << 30;
-  std::vector<PageFile> files;
-  for (const StudyPicture& picture : result.pictures) {
-    files.push_back({picture.file, read_text_file(folder / picture.file, max_bytes)});
+  write_file_atomic(folder / (result.name + ".json"), format_study(result, common));
+  std::vector<std::string> pictures;
+  for (const StudyPicture& picture : result.pictures) pictures.push_back(picture.file);
+  write_page(folder, result.name, pictures);
+}
+
+void write_study_page(const std::filesystem::path& folder, const std::string& name) {
+  std::vector<std::string> pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string file = entry.path().filename().string();
+    if (file.starts_with(name + "-") && file.ends_with(".png")) pictures.push_back(file);
   }
-  write_file_atomic(folder / (result.name + ".html"),
-                    make_page("Relume: " + result.name, json, files));
+  std::ranges::sort(pictures);
+  write_page(folder, name, pictures);
 }
 
 }  // namespace relume

@@ -37,4 +37,8 @@ std::string format_study(const StudyResult& result, const CommonOptions& common)
 void write_study(const std::filesystem::path& folder, const StudyResult& result,
                  const CommonOptions& common);
 
+/// Writes NAME.html of the folder's NAME.json and its pictures, NAME-*.png. Throws Error(input) or
+/// Error(output).
+void write_study_page(const std::filesystem::path& folder, const std::string& name);
+
 }  // namespace relume

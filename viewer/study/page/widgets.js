@@ -85,7 +85,8 @@ function logStep(values) {
 }
 
 function makeAxis(base, text, isLog, values, ticks) {
-  const axis = { ...base, title: { text }, automargin: true, exponentformat: "power" };
+  const isWide = values.some((value) => value > 0 && (value < 1e-4 || value >= 1e6));
+  const axis = { ...base, title: { text }, automargin: true, exponentformat: isWide ? "power" : "none" };
   if (!isLog) return { ...axis, rangemode: "tozero" };
   if (ticks) return { ...axis, type: "log", tickvals: ticks, ticktext: ticks.map(shortNumber) };
   return { ...axis, type: "log", dtick: logStep(values) };
@@ -178,7 +179,7 @@ function matrix({ names, cell }) {
     const deep = Math.abs(entry.value) > 0.7 ? " deep" : "";
     return element("td", { class: "cell" + deep, style: `background:${color(entry.value)}`, title: entry.title }, entry.text);
   }));
-  return element("div", { class: "scroll" }, element("table", {},
+  return element("div", { class: "scroll" }, element("table", { class: "matrix" },
     element("tr", {}, element("th", { class: "text" }, ""), names.map((name) => element("th", {}, name))), names.map(line)));
 }
 
