@@ -176,9 +176,13 @@ class TileLearner {
       if (on_surface) {
         spot.extent.normal = {r.normal[0][lane], r.normal[1][lane], r.normal[2][lane]};
       }
-      spot.extent.mean = anchor + dvec3(footprint.offset);
-      for (size_t i = 0; i < 6; ++i) {
-        spot.extent.covariance[i] = static_cast<double>(footprint.covariance[i]);
+      spot.extent.mean = anchor;
+      const double radius =
+          (on_surface ? surface_spot_px : strand_spot_px) * camera_.pixel_at(anchor);
+      const auto& c = footprint.covariance;
+      if (static_cast<double>(c[0] + c[3] + c[5]) <= radius * radius) {
+        spot.extent.mean += dvec3(footprint.offset);
+        for (size_t i = 0; i < 6; ++i) spot.extent.covariance[i] = static_cast<double>(c[i]);
       }
       place(spot, on_surface, lane, 1);
       return;

@@ -43,7 +43,7 @@ struct LearnedReceivers {
 /// On strands, samples of a receiver form one spot while they are within half a pixel of its first
 /// one. On surfaces, samples of a pixel form one, whatever receivers they belong to, while they are
 /// within 0.3 pixels on one piece of geometry or in one plane and their normals agree. Where the
-/// view has no members a receiver's footprint counts as one sample.
+/// view has no members a receiver's footprint is its spot, or where it is wider, its first sample.
 ///
 /// A sample stands for its cell of the picture, a pixel over the samples in it, seen on the surface
 /// along the line of sight; the cell is added to each footprint, which is the spread of points.

@@ -4,8 +4,8 @@
 //
 // Usage: bench_coverage SCENE WIDTH HEIGHT TRUTH_SPP RECORDS [METHOD...]
 // METHOD "samples" is coverage with every sample a record. LIGHTS=n in the environment: the first
-// n. PICTURES=DIR: visibilities go there as pictures, and a truth that lies there is read instead
-// of made.
+// n. MEMBERS=n: so many stored a record instead of all. PICTURES=DIR: visibilities go there as
+// pictures, and a truth that lies there is read instead of made.
 
 #include <fmt/format.h>
 
@@ -310,7 +310,8 @@ int main(int argc, char** argv) {
   params.height = height;
   params.reduction.method = ReductionMethod::strong_kmeans;
   params.reduction.records = std::atoi(argv[5]);
-  params.reduction.stored_members = max_members;
+  const char* stored = std::getenv("MEMBERS");
+  params.reduction.stored_members = stored != nullptr ? std::atoi(stored) : max_members;
   const RelightCache cache = prepare_in_memory(scene, tracer, params, {});
   std::vector<std::string> methods(argv + 6, argv + argc);
   std::erase_if(methods, [&](const std::string& method) {

@@ -5,6 +5,7 @@
 #include "core/samples/pack.h"
 #include "core/samples/sample_scene.h"
 #include "core/shade/shaders.h"
+#include "shadow/coverage.h"
 #include "shadow/members.h"
 #include "shadow/shadow.h"
 #include "tests/support/expect_error.h"
@@ -56,12 +57,13 @@ RelightCache make_merged_cache(const Scene& scene, const Tracer& tracer, int spp
           footprint.stored_members = end - begin < 2 ? 0 : std::min<int>(stored, end - begin);
           // All of the spread along one axis bounds the offsets whatever they are.
           float largest = 0;
-          for (int m = 0; m < footprint.stored_members; ++m) {
+          for (int m = 0; m < footprint.samples; ++m) {
             const float* v = anchor + static_cast<size_t>(m) * type.width;
-            Member& member = out.members.emplace_back();
+            Member member;
             member.offset = vec3(v[0], v[1], v[2]) - vec3(anchor[0], anchor[1], anchor[2]);
             if (normal >= 0) member.normal = vec3(v[normal], v[normal + 1], v[normal + 2]);
             largest = std::max(largest, max_abs_component(member.offset));
+            if (m < footprint.stored_members) out.members.push_back(member);
           }
           footprint.covariance[0] = largest * largest;
         }
@@ -157,6 +159,25 @@ TEST(MemberVisibility, DoesNotDependOnTheThreads) {
     EXPECT_EQ(frame.pixels, first) << threads << " threads";
   }
   set_thread_count(0);
+}
+
+TEST(Coverage, WithoutMembersAWideFootprintIsOneSample) {
+  const Scene scene = make_strand_scene();
+  const Tracer tracer(scene);
+  const Light light = make_point_light({2, 3, 2});
+  const RelightCache all = make_merged_cache(scene, tracer, 16, max_members);
+  const RelightCache none = make_merged_cache(scene, tracer, 16, 0);
+  const RelightCache samples = make_full_cache(scene, tracer, 16);
+  MemberVisibility exact(tracer, samples, 1);
+  const std::vector<double> expected = pixel_visibility(samples, exact, light);
+  CoverageVisibility of_all(tracer, all);
+  CoverageVisibility of_none(tracer, none);
+  MemberVisibility ray(tracer, none, 1);
+  const double error = mean_difference(pixel_visibility(none, of_none, light), expected);
+  EXPECT_GT(error, mean_difference(pixel_visibility(all, of_all, light), expected));
+  EXPECT_LT(error, mean_difference(pixel_visibility(none, ray, light), expected));
+  // A footprint over all of a pixel's strands would reach far more than its samples do.
+  EXPECT_LT(of_none.stats().tests, of_all.stats().tests);
 }
 
 TEST(MemberVisibility, NeedsMembers) {
