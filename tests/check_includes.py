@@ -43,7 +43,7 @@ LIBRARIES = {
     r"nlohmann/": ["core/scene/io/json_", "viewer/commands/json_output.cpp", "tests/"],
     r"xxhash\.h": ["core/samples/cache_info.cpp"],
     r"glm/": ["core/math/vec.h"],
-    r"(GLFW|backends/imgui_impl_glfw)": ["viewer/display/glfw_window.cpp"],
+    r"(GLFW|backends/imgui_impl_glfw)": ["viewer/display/glfw_window.cpp", "tests/viewer/display_window.cpp"],
     r"GL/osmesa": ["viewer/display/osmesa_surface.cpp"],
     r"imgui": ["viewer/display/", "viewer/panels/", "tests/viewer/display_"],
     r"GL/gl": ["viewer/display/"],

@@ -489,6 +489,69 @@ TEST(Offscreen, LightsOutsideThePictureMoveAsTheCamerasTargetDoes) {
               1e-4);
 }
 
+TEST(Offscreen, TheListOfKeysFitsEveryWindow) {
+  Stage stage;
+  for (const vec2 size : {vec2(1280, 800), vec2(640, 480), vec2(500, 300)}) {
+    stage.play(fmt::format("resize {} {}\nkey ?", size.x, size.y));
+    const auto keys = stage.screen.ui().items.find("keys");
+    ASSERT_TRUE(keys.has_value());
+    EXPECT_TRUE(glm::all(glm::greaterThanEqual(keys->min, vec2(0)))) << size.x;
+    EXPECT_TRUE(glm::all(glm::lessThanEqual(keys->max, size))) << size.x;
+    stage.play("key escape");
+    EXPECT_FALSE(stage.screen.ui().items.find("keys").has_value());
+  }
+}
+
+TEST(Offscreen, TheTradeIsChosenByNameAndByKey) {
+  const auto open = [](const SessionFile&, const ProgressCallback&, PreparePreview&) {
+    OpenedInput opened;
+    opened.session = open_spheres();
+    const Tracer& tracer = *opened.session->tracer();
+    PrepareParams params;
+    params.spp = 4;
+    params.reduction.records = 16;
+    params.width = params.height = 64;
+    opened.records.forecast = [&tracer, params](const ProgressCallback& progress) {
+      return forecast_scene(tracer.scene(), tracer, params, progress);
+    };
+    opened.records.prepare = [&tracer, params](const RecordChoice& choice, float,
+                                               const ProgressCallback& progress) {
+      PrepareParams chosen = params;
+      chosen.budget.average_records = choice.average;
+      chosen.format = choice.format;
+      return make_session_records(prepare_in_memory(tracer.scene(), tracer, chosen, progress),
+                                  &tracer);
+    };
+    return opened;
+  };
+  Workspace workspace(open, "spheres", {});
+  workspace.wait(true);
+  OsmesaSurface surface({1280, 800});
+  GlTable gl = load_gl_table(surface.loader());
+  Screen screen(workspace, gl, {.scale = 1, .show_timings = false});
+  const auto play = [&](const std::string& text) {
+    play_script(parse_script(text, "test"), workspace, screen, gl, surface, {});
+  };
+  const ViewState& view = workspace.session()->view();
+  play("click trade.error");
+  EXPECT_EQ(view.trade.kind, TradeKind::error);
+  ASSERT_TRUE(workspace.trade_plan().has_value());
+  EXPECT_EQ(workspace.records(), workspace.trade_plan()->records);
+  EXPECT_EQ(workspace.session()->cache()->info().format, workspace.records().format);
+  EXPECT_TRUE(screen.ui().items.find("trade.plan").has_value());
+  play("click trade.level\ndrag trade.value -110 0");
+  EXPECT_LT(view.trade.level, 0.1f);
+  EXPECT_EQ(view.shadows, ShadowMethod::automatic);
+  const float fewest = workspace.records().average;
+  play("key >\nkey >\nkey >");
+  EXPECT_GT(workspace.records().average, fewest);
+  play("key <\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z\nkey ctrl+z");
+  EXPECT_EQ(workspace.records().average, fewest);
+  play("key ctrl+z\nkey ctrl+z\nkey ctrl+z");
+  EXPECT_EQ(view.trade.kind, TradeKind::manual);
+  EXPECT_FALSE(workspace.records().is_set());
+}
+
 TEST(Offscreen, SurvivesThatTheContextIsLost) {
   Stage stage;
   stage.play("key c\nkey -\nkey w\nkey ?\nmove 5 795");

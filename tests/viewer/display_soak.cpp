@@ -9,7 +9,7 @@ namespace relume::test {
 namespace {
 
 constexpr int edits_per_rest = 10;
-constexpr double longest_rest_s = 3;
+constexpr double longest_rest_s = 1.5;
 
 class Soak {
  public:
@@ -116,9 +116,12 @@ SoakFigures soak(LiveWindow& window, Workspace& workspace, const std::vector<std
   Soak person(window, workspace, inputs, folder, params.drag_moves);
   SoakFigures figures;
   person.rest(longest_rest_s);
-  for (int cycle = 0; cycle < params.cycles; ++cycle) {
-    const bool is_middle = 3 * cycle >= params.cycles && 3 * cycle < 2 * params.cycles;
-    if (is_middle) person.open_next(cycle);
+  const Timer timer;
+  for (int cycle = 0;; ++cycle) {
+    const double part = params.seconds > 0 ? timer.seconds() / params.seconds
+                                           : static_cast<double>(cycle) / params.cycles;
+    if (part >= 1) break;
+    if (part >= 1.0 / 3 && part < 2.0 / 3) person.open_next(cycle);
     for (int i = 0; i < edits_per_cycle; ++i) person.edit(figures.edits++);
     if (cycle + 1 < params.warm_up_cycles) continue;
     figures.last_bytes = person.settled_bytes();

@@ -19,6 +19,7 @@ struct SoakFigures {
 
 struct SoakParams {
   int cycles = 6;
+  double seconds = 0;      ///< > 0: as many cycles as begin in so long, instead
   int warm_up_cycles = 2;  ///< before memory counts
   int drag_moves = 30;     ///< frames of a drag
   /// Called after each cycle that counts; empty: nobody is told.

@@ -3,6 +3,8 @@
 // this very program again with a filter for one of the DISABLED_ tests, which play the part of the
 // person's program.
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -100,6 +102,39 @@ TEST(DISABLED_Part, ServesAPerson) {
       << light.position.x << ' ' << light.position.y << ' ' << light.position.z << ' '
       << workspace.session()->view().display.exposure << ' '
       << label_of(shown_picture_labels, workspace.session()->view().shown) << '\n';
+}
+
+TEST(DISABLED_Part, TakesDropsAndANewContext) {
+  ASSERT_FALSE(helper_folder().empty()) << "run by the tests below";
+  GlfwWindow window("drops", {320, 200});
+  std::vector<std::string> dropped;
+  window.set_drop([&dropped](const std::string& path) { dropped.push_back(path); });
+  const auto drop = [](std::vector<const char*> paths) {
+    GLFWwindow* handle = glfwGetCurrentContext();
+    const GLFWdropfun callback = glfwSetDropCallback(handle, nullptr);
+    ASSERT_NE(callback, nullptr);
+    callback(handle, static_cast<int>(paths.size()), paths.data());
+    glfwSetDropCallback(handle, callback);
+  };
+  drop({"one.json", "two.relume"});
+  const GlTable before = load_gl_table(window.loader());
+  GLuint texture = 0;
+  before.GenTextures(1, &texture);
+  const ivec2 size = window.size_px();
+  window.renew_context();
+  EXPECT_EQ(window.size_px(), size);
+  EXPECT_FALSE(window.is_context_lost());
+  const GlTable after = load_gl_table(window.loader());
+  require_no_gl_error(after, "a new context");
+  drop({"three.json"});
+  EXPECT_EQ(dropped, (std::vector<std::string>{"one.json", "two.relume", "three.json"}));
+  std::ofstream(helper_folder() / "result.txt") << (HasFailure() ? "failed" : "done");
+}
+
+TEST_F(Window, TakesDroppedFilesAndGoesOnInANewWindow) {
+  const std::filesystem::path folder = fresh_folder("relume_drops");
+  EXPECT_EQ(start_part("TakesDropsAndANewContext", display_, folder)->wait(60s), 0);
+  EXPECT_EQ(read_bytes(folder / "result.txt"), "done");
 }
 
 TEST_F(Window, DrawsTheSameBytesAsOffscreen) {

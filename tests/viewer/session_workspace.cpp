@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
+#include <thread>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -81,6 +83,72 @@ TEST(Workspace, ClosesWhileOpening) {
   EXPECT_EQ(workspace.session(), nullptr);
   workspace.open("stuck");
   workspace.update(true);
+}
+
+/// Frames that take a while, and references that take until they may stop; tells that one has
+/// begun.
+class SlowSource final : public FrameSource {
+ public:
+  SlowSource(std::unique_ptr<FrameSource> source, std::atomic<int>& begun)
+      : source_(std::move(source)), begun_(begun) {}
+  void render(const RelightRequest& request, const std::atomic<bool>& cancelled,
+              RelitFrame& frame) override {
+    ++begun_;
+    for (int i = 0; i < 50 && !(request.may_stop && cancelled); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    if (request.may_stop && cancelled) throw Error(ErrorKind::cancelled, "stopped");
+    source_->render(request, cancelled, frame);
+  }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  std::atomic<int>& begun_;
+};
+
+TEST(Workspace, ClosesWhileAFrameACoarseOneOrTheReferenceIsComputed) {
+  std::atomic<int> frames{0};
+  std::atomic<int> references{0};
+  for (const int moment : {0, 1, 2}) {
+    frames = references = 0;
+    SessionParts parts = make_fake_parts();
+    parts.view.refine = true;
+    parts.view.frame_ms = 1;
+    parts.frames = std::make_unique<SlowSource>(std::move(parts.frames), frames);
+    parts.reference = std::make_unique<SlowSource>(std::move(parts.reference), references);
+    Workspace workspace(std::make_unique<Session>(std::move(parts)));
+    const auto is_reached = [&] {
+      if (moment == 2) return references == 1;
+      return moment == 0 ? frames == 1 : frames == 2;  // a quarter, then all of it
+    };
+    while (!is_reached()) {
+      workspace.update(true);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    if (moment == 1) {
+      EXPECT_EQ(workspace.session()->status().pixels, PixelShare::quarter);
+    }
+  }
+}
+
+TEST(Workspace, OpensAnotherInputWithoutWaitingForTheOneUnderWay) {
+  const TemporaryFolder folder;
+  std::atomic<bool> is_held{true};
+  const auto opener = [&](const SessionFile& file, const ProgressCallback& progress,
+                          PreparePreview& preview) {
+    if (!file.input.ends_with("held")) return open_fake(file, progress, preview);
+    // Reports nothing, as while a file is read.
+    while (is_held) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    throw Error(ErrorKind::cancelled, "stopped");
+  };
+  Workspace workspace(opener, "held", {.state_folder = folder.path()});
+  workspace.open("hair");
+  while (workspace.session() == nullptr) {
+    workspace.update(true);
+    std::this_thread::yield();
+  }
+  EXPECT_TRUE(is_held) << "the first is still under way";
+  is_held = false;
 }
 
 TEST(Workspace, OneDragIsOneStep) {

@@ -12,6 +12,9 @@ namespace {
 constexpr float nudge_px = 4;      // of the film, for each press of an arrow key
 constexpr float nudge_depth = 32;  // pixels' worth of depth, for page up and down
 
+/// Of the window, for two columns of keys beside each other.
+constexpr float least_width_in_fonts = 52;
+
 struct Gesture {
   const char* keys;
   const char* does;
@@ -131,14 +134,19 @@ void handle_keys(UiState& ui, Workspace& workspace) {
 
 void help_window(UiState& ui) {
   if (!ui.show_help) return;
-  const vec2 center = ui.layout.picture.center();
+  const float font = ImGui::GetFontSize();
+  const vec2 room = from_im(ImGui::GetIO().DisplaySize);
+  const bool has_columns = room.x >= least_width_in_fonts * font;
+  const vec2 center = has_columns ? ui.layout.picture.center() : 0.5f * room;
   ImGui::SetNextWindowPos(to_im(center), ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding,
-                      {1.5f * ImGui::GetFontSize(), 0.8f * ImGui::GetFontSize()});
-  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0.22f * ImGui::GetFontSize()});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, to_im(room));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {1.5f * font, 0.8f * font});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0.22f * font});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.08f, 0.08f, 0.08f, 0.95f));
+  // Scrolls where the window is lower than the list.
   ImGui::Begin("keys", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize |
                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                    ImGuiWindowFlags_NoNav);
   ImGui::BeginGroup();
@@ -146,10 +154,12 @@ void help_window(UiState& ui) {
   for (const Gesture& gesture : gestures) help_row(gesture.keys, gesture.does);
   help_column({ActionGroup::file, ActionGroup::edit, ActionGroup::window});
   ImGui::EndGroup();
-  ImGui::SameLine(0, 2.5f * ImGui::GetFontSize());
+  if (has_columns) ImGui::SameLine(0, 2.5f * font);
   ImGui::BeginGroup();
   help_column({ActionGroup::light, ActionGroup::place, ActionGroup::view});
   ImGui::EndGroup();
+  ui.items.note("keys", {from_im(ImGui::GetWindowPos()),
+                         from_im(ImGui::GetWindowPos()) + from_im(ImGui::GetWindowSize())});
   ImGui::End();
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(2);

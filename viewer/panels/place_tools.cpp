@@ -107,11 +107,12 @@ void tool_bar(UiState& ui, const Session& session) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.35f * font, 0.3f * font});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.3f * font);
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.1f, 0.1f, 0.1f, 0.85f));
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0.1f * font, ImGui::GetStyle().FramePadding.y});
   begin_fixed_window("tools", {corner, corner + size});
   choose(ui, "tool", place_tool_labels, ui.tool);
   ImGui::End();
   ImGui::PopStyleColor();
-  ImGui::PopStyleVar(2);
+  ImGui::PopStyleVar(3);
   const Light& light = view.lights[static_cast<size_t>(view.selected_light)];
   const std::string hint = tool_hint(ui.tool, printable(light.name, 40), ui.tool_missed);
   const float width = ImGui::CalcTextSize(hint.c_str()).x;
