@@ -172,7 +172,8 @@ void add_view(CLI::App& app, Parsed& p) {
       ->check(CLI::IsMember({0.0}) | CLI::Range(0.5, 4.0))
       ->capture_default_str();
   sub.add_option("--script", p.view.script, "scripted input (docs/viewer-scripts.md)");
-  add_label(sub, "--shadow", p.view.shadow, shadow_method_labels, "shadow method");
+  add_label(sub, "--shadow", p.view.shadow, shadow_method_labels,
+            "shadow method, default auto in a window and ray in scripts");
   add_prepare(sub, p.view.prepare);
 }
 

@@ -34,10 +34,10 @@ struct ViewOptions {
   std::string input;  ///< scene or cache
   std::optional<std::filesystem::path> offscreen;
   std::optional<std::filesystem::path> script;
-  ShadowMethod shadow = ShadowMethod::ray;
-  std::optional<float> frame_ms;  ///< nothing: 40 ms, for scenes as they are prepared
-  bool keep_records = false;      ///< the picture at rest is not refined
-  float scale = 0;                ///< of text and controls; 0 = as the display asks for
+  std::optional<ShadowMethod> shadow;  ///< nothing: `automatic` in a window; `ray` in scripts
+  std::optional<float> frame_ms;       ///< nothing: 40 ms, for scenes as they are prepared
+  bool keep_records = false;           ///< the picture at rest is not refined
+  float scale = 0;                     ///< of text and controls; 0 = as the display asks for
   PrepareOptions prepare;
 };
 

@@ -52,7 +52,8 @@ bool is_cache_path(const std::string& path) {
 }
 
 PrepareOptions prepare_for(ShadowMethod shadow, PrepareOptions options) {
-  const bool uses_members = shadow == ShadowMethod::members || shadow == ShadowMethod::coverage;
+  const bool uses_members = shadow == ShadowMethod::members || shadow == ShadowMethod::coverage ||
+                            shadow == ShadowMethod::automatic;
   if (uses_members && !options.members) options.members = max_members;
   return options;
 }

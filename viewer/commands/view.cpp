@@ -60,8 +60,13 @@ RecordSource make_record_source(const Session& session, const SessionFile& file,
   return source;
 }
 
+/// What `automatic` picks depends on the machine's speed: scripts write the same pictures anywhere.
+ShadowMethod shadow_of(const ViewOptions& options) {
+  return options.shadow.value_or(options.offscreen ? ShadowMethod::ray : ShadowMethod::automatic);
+}
+
 void apply_options(const ViewOptions& options, ViewState& view) {
-  view.shadows = options.shadow;
+  if (options.shadow || view.shadows != ShadowMethod::none) view.shadows = shadow_of(options);
   view.frame_ms = options.frame_ms.value_or(view.frame_ms);
   view.refine = !options.keep_records && !options.offscreen;
 }
@@ -95,7 +100,7 @@ InputOpener make_opener(const ViewOptions& options, const CommonOptions& asked) 
 }
 
 WorkspaceOptions workspace_options(const ViewOptions& options, const CommonOptions& common) {
-  PrepareOptions prepare = prepare_for(options.shadow, options.prepare);
+  PrepareOptions prepare = prepare_for(shadow_of(options), options.prepare);
   // Shadows have levels of their own to keep to the time.
   if (!prepare.records && !prepare.budget.is_set()) prepare.frame_ms = options.frame_ms.value_or(0);
   return {.state_folder = options.offscreen ? std::filesystem::path() : default_state_folder(),
