@@ -58,6 +58,19 @@ class Soak {
     rest(longest_rest_s);
   }
 
+  /// Has enough frames, references and maps finished for all their buffers to be in use, which
+  /// drags that replace them may never come to: else their first use would look like growth.
+  void use_all_buffers() {
+    for (const char* key : {"v", "f"}) {
+      window_.type(key);
+      for (const char* gain : {".", ",", ".", ","}) {
+        window_.type(gain);
+        workspace_.wait(true);
+        window_.frame();
+      }
+    }
+  }
+
  private:
   void other_edit(int round) {
     const float sign = (round / 8) % 2 == 0 ? 1.0f : -1.0f;
@@ -124,10 +137,13 @@ SoakFigures soak(LiveWindow& window, Workspace& workspace, const std::vector<std
     if (part >= 1.0 / 3 && part < 2.0 / 3) person.open_next(cycle);
     for (int i = 0; i < edits_per_cycle; ++i) person.edit(figures.edits++);
     if (cycle + 1 < params.warm_up_cycles) continue;
+    if (cycle + 1 == params.warm_up_cycles) person.use_all_buffers();
     figures.last_bytes = person.settled_bytes();
     if (cycle + 1 == params.warm_up_cycles) figures.first_bytes = figures.last_bytes;
     if (params.report) params.report(figures);
   }
+  person.use_all_buffers();
+  figures.last_bytes = person.settled_bytes();
   return figures;
 }
 

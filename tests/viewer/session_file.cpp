@@ -33,6 +33,9 @@ SessionFile make_file() {
   file.view.heat_range = HeatRange::automatic;
   file.view.frame_ms = 17.5f;
   file.view.refine = true;
+  file.view.trade = {
+      .kind = TradeKind::time, .level = 0.125f, .move_ms = 7.5f, .target_error = 0.03f};
+  file.view.records = {2.3f, CacheFormat::compact};
   file.view.zoom = 3.25f;
   file.view.zoom_center_px = vec2(100.5f, -3);
   return file;
@@ -106,6 +109,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongSession{SESSION_START R"(, "view": {"zoom_center": [1]}})", "/view/zoom_center"},
         WrongSession{SESSION_START R"(, "view": {"shown": "nothing"}})", "/view/shown"},
         WrongSession{SESSION_START R"(, "view": {"refine": 1}})", "/view/refine"},
+        WrongSession{SESSION_START R"(, "view": {"trade": "best"}})", "/view/trade"},
+        WrongSession{SESSION_START R"(, "view": {"trade_level": 2}})", "/view/trade_level"},
         WrongSession{SESSION_START R"(, "prepare": {"spp": 0}})", "/prepare/spp"},
         WrongSession{SESSION_START R"(, "prepare": {"spp": 2.5}})", "/prepare/spp"},
         WrongSession{SESSION_START R"(, "prepare": {"width": 1000000}})", "/prepare/width"},

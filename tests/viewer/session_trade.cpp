@@ -202,6 +202,29 @@ TEST(Trade, WhatCannotBePreparedIsANoticeOnce) {
   EXPECT_EQ(desk.workspace.records(), plan_at(0.4f).records);
 }
 
+TEST(Trade, AViewThatCannotBeMeasuredIsANoticeAndNoMore) {
+  const TemporaryFolder folder;
+  int asked = 0;
+  const auto opener = [&](const SessionFile&, const ProgressCallback&, PreparePreview&) {
+    OpenedInput opened;
+    opened.session = std::make_unique<Session>(make_fake_parts());
+    opened.records.forecast = [&asked](const ProgressCallback&) -> FrameForecast {
+      ++asked;
+      throw Error(ErrorKind::limit, "cannot be measured");
+    };
+    opened.records.prepare = [](const RecordChoice&, float,
+                                const ProgressCallback&) -> SessionRecords { return {}; };
+    return opened;
+  };
+  Workspace workspace(opener, "hair", {.state_folder = folder.path()});
+  workspace.wait(true);
+  workspace.session()->view().trade.kind = TradeKind::level;
+  for (int i = 0; i < 3; ++i) workspace.wait(true);
+  EXPECT_EQ(asked, 1);
+  EXPECT_NE(workspace.notice().text.find("cannot be measured"), std::string::npos);
+  EXPECT_FALSE(workspace.trade_plan().has_value());
+}
+
 TEST(Trade, ASavedSessionKeepsItsRecords) {
   const TemporaryFolder folder;
   RecordChoice chosen;

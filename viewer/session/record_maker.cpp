@@ -67,6 +67,11 @@ std::optional<RecordMaker::Made> RecordMaker::take_records() {
   return std::exchange(made_, std::nullopt);
 }
 
+std::string RecordMaker::take_problem() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(problem_, {});
+}
+
 LoadStatus RecordMaker::status() const {
   const std::lock_guard lock(mutex_);
   return status_;
@@ -79,7 +84,7 @@ bool RecordMaker::is_forecasting() const {
 
 bool RecordMaker::is_busy() const {
   const std::lock_guard lock(mutex_);
-  return running_ || has_work() || forecast_ || made_;
+  return running_ || has_work() || forecast_ || made_ || !problem_.empty();
 }
 
 void RecordMaker::set_paused(bool paused) {
@@ -116,7 +121,7 @@ void RecordMaker::run() {
       // A forecast that came while records were under way has taken their place.
       if (order && cancelled_ && !next_ && asked_ == order->choice) next_ = order;
       status_ = {};
-      if (!cancelled_ && !quit_) status_.problem = std::move(problem);
+      if (!quit_ && (forecasting_ || !cancelled_)) problem_ = std::move(problem);
       running_ = false;
       forecasting_ = false;
     }

@@ -52,6 +52,9 @@ class RecordMaker {
   std::optional<FrameForecast> take_forecast();
   std::optional<Made> take_records();
 
+  /// Why the last work failed, one line; empty = it did not, or was told before.
+  std::string take_problem();
+
   LoadStatus status() const;
   /// True while a forecast is asked for or under way: its times need the processors.
   bool is_forecasting() const;
@@ -92,6 +95,7 @@ class RecordMaker {
   bool quit_ = false;
   std::optional<FrameForecast> forecast_;
   std::optional<Made> made_;
+  std::string problem_;
   LoadStatus status_;
 
   std::thread thread_;  // last: starts when all else exists

@@ -251,8 +251,11 @@ RecordChoice Workspace::loaded_records() const {
 void Workspace::follow_trade(bool resting) {
   if (!maker_) return;
   if (auto forecast = maker_->take_forecast()) forecast_ = std::move(forecast);
-  const LoadStatus status = maker_->status();
-  if (!status.problem.empty() && notice_.text != status.problem) set_notice(status.problem, true);
+  if (const std::string problem = maker_->take_problem(); !problem.empty()) {
+    set_notice(problem, true);
+    // What cannot be measured now is not tried again before the trade changes.
+    if (!forecast_) planned_ = planned_for(session_->view());
+  }
   plan_records();
   take_records();
   if (!resting) return;
