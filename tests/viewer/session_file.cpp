@@ -53,6 +53,8 @@ TEST(SessionFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read.prepare.method, file.prepare.method);
   EXPECT_EQ(read.view.solo_lights, file.view.solo_lights);
   EXPECT_EQ(read.view.selected_light, 1);
+  EXPECT_EQ(read.view.trade, file.view.trade);
+  EXPECT_EQ(read.view.records, file.view.records);
   EXPECT_EQ(read.view.zoom_center_px, file.view.zoom_center_px);
   EXPECT_EQ(read.view.display.exposure, file.view.display.exposure);
   ASSERT_EQ(read.view.lights.size(), 2u);
