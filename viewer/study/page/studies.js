@@ -181,9 +181,9 @@ function layoutTradeoff() {
     const series = [...groupBy(rows.filter((r) => r.format !== "traced"), (r) => `shadows ${r.shadow}`)].map(([name, own]) => ({
       name, kind: "points", color: shadowColors[own[0].shadow], symbol: own.map((r) => methodSymbols[r.method] ?? "cross"),
       opacity: own.map((r) => (r.pixels === "all" ? 1 : 0.45)), ...xy(own) }));
-    series.push({ name: "traced anew, 1 to 64 samples", kind: "line", color: themeColor("--ink"), dash: "dot", ...xy(traced) });
+    series.push({ name: "traced anew, 1 to 64 samples", kind: "line", color: themeColor("--faint"), dash: "dot", ...xy(traced) });
     const front = rows.filter((r) => r.pareto).sort((a, b) => a.ms_light - b.ms_light);
-    series.push({ name: "Pareto front", kind: "line", color: "#d55e00", shape: "hv", symbol: "circle-open", ...xy(front) });
+    series.push({ name: "Pareto front", kind: "line", color: themeColor("--ink"), shape: "hv", symbol: "circle-open", ...xy(front) });
     const size = `${rows[0].width} x ${rows[0].height}`;
     parts.push(heading(scene), plot({ title: `${scene}, ${size}: error against time`, x: "milliseconds a light move", y: "error, %", series,
       logX: true, logY: true, height: 560, note: `Error: eq. 7 over covered pixels against ${rows[0].truth_spp} traced samples a pixel, in ` +

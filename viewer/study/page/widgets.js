@@ -87,6 +87,7 @@ function logStep(values) {
 function makeAxis(base, text, isLog, values, ticks) {
   const isWide = values.some((value) => value > 0 && (value < 1e-4 || value >= 1e6));
   const axis = { ...base, title: { text }, automargin: true, exponentformat: isWide ? "power" : "none" };
+  if (typeof values[0] === "string") axis.dtick = 1;  // every name, on phones too
   if (!isLog) return { ...axis, rangemode: "tozero" };
   if (ticks) return { ...axis, type: "log", tickvals: ticks, ticktext: ticks.map(shortNumber) };
   return { ...axis, type: "log", dtick: logStep(values) };
