@@ -112,7 +112,8 @@ TEST(ShadowTruth, OfAnUnshadowedPlaneIsOne) {
   const ViewSampler view = make_view_sampler(scene, tracer, 32, 32, 4, 1);
   const StudyLight light{"above", {make_point_light({0, 0, 3}, 9)}};
   TrialLog log;
-  const ShadowTruth truth = trace_truth(view, make_window(0, vec2(0), 32, 32), {&light, 1}, log, {});
+  const ShadowTruth truth =
+      trace_truth(view, make_window(0, vec2(0), 32, 32), {&light, 1}, log, {});
   for (size_t i = 0; i < truth.covered.size(); ++i) {
     EXPECT_EQ(truth.covered[i], 1);
     EXPECT_EQ(truth.steps[0][0][i], 1);
@@ -152,7 +153,8 @@ TEST(ShadowTruth, FadesAtTheTerminatorOfASphere) {
   const ViewSampler view = make_view_sampler(scene, tracer, 48, 48, 16, 1);
   const StudyLight light{"side", {make_directional_light({-1, 0, 0})}};
   TrialLog log;
-  const ShadowTruth truth = trace_truth(view, make_window(0, vec2(0), 48, 48), {&light, 1}, log, {});
+  const ShadowTruth truth =
+      trace_truth(view, make_window(0, vec2(0), 48, 48), {&light, 1}, log, {});
   for (int x = 12; x < 36; ++x) {
     const float seen = truth.steps[0][0][24 * 48 + x];
     if (x < 22 || x > 25) {
