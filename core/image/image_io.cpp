@@ -189,6 +189,19 @@ RgbChannels find_layer(const Source& source, const OIIO::ImageSpec& spec,
   return found;
 }
 
+std::vector<int> find_channels(const Source& source, const OIIO::ImageSpec& spec,
+                               std::span<const std::string> names) {
+  std::vector<int> channels;
+  for (const std::string& name : names) {
+    channels.push_back(spec.channelindex(name));
+    if (channels.back() < 0) {
+      throw source.broken(fmt::format("there is no channel '{}'", name),
+                          "check the channel's name");
+    }
+  }
+  return channels;
+}
+
 /// True where integer values are display-encoded. Files of 8 bits always are.
 bool is_srgb_encoded(const OIIO::ImageSpec& spec) {
   if (spec.format.is_floating_point()) return false;
@@ -383,6 +396,45 @@ Image read_exr_channel(const std::filesystem::path& path, const std::string& nam
 
 std::vector<std::string> read_channel_names(const std::filesystem::path& path) {
   return open_image(own_source(path)).spec.channelnames;
+}
+
+ImageHeader read_image_header(const std::filesystem::path& path) {
+  const OIIO::ImageSpec spec = open_image(own_source(path)).spec;
+  ImageHeader header{spec.full_width, spec.full_height, spec.channelnames, {}};
+  for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
+    if (attribute.type() != OIIO::TypeDesc::STRING) continue;
+    header.metadata.emplace_back(attribute.name().string(), attribute.get_string());
+  }
+  return header;
+}
+
+void read_channel_rows(const std::filesystem::path& path, std::span<const std::string> names,
+                       const std::function<void(int y, std::span<const float> values)>& row) {
+  const Source source = own_source(path);
+  OpenImage file = open_image(source);
+  const OIIO::ImageSpec& spec = file.spec;
+  const std::vector<int> channels = find_channels(source, spec, names);
+  const int64_t left = int64_t{spec.x} - spec.full_x;
+  const int64_t top = int64_t{spec.y} - spec.full_y;
+  std::vector<float> values(static_cast<size_t>(spec.full_width) * channels.size());
+  int next = 0;
+  const auto skip_to = [&](int64_t y) {
+    std::fill(values.begin(), values.end(), 0.0f);
+    while (next < std::min<int64_t>(y, spec.full_height)) row(next++, values);
+  };
+  read_rows<float>(source, file, [&](int data_y, const float* data) {
+    skip_to(top + data_y);
+    if (next != top + data_y || next >= spec.full_height) return;
+    for (int64_t x = std::max<int64_t>(0, left);
+         x < std::min<int64_t>(spec.full_width, left + spec.width); ++x) {
+      const float* from = data + static_cast<size_t>(x - left) * spec.nchannels;
+      for (size_t c = 0; c < channels.size(); ++c) {
+        values[static_cast<size_t>(x) * channels.size() + c] = from[channels[c]];
+      }
+    }
+    row(next++, values);
+  });
+  skip_to(spec.full_height);
 }
 
 namespace {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,5 +41,22 @@ Image read_exr_channel(const std::filesystem::path& path, const std::string& nam
 
 /// The channel names of an image file, in file order.
 std::vector<std::string> read_channel_names(const std::filesystem::path& path);
+
+/// What an image file says about itself.
+struct ImageHeader {
+  int width = 0;  ///< pixels of the display window
+  int height = 0;
+  std::vector<std::string> channels;                          ///< in file order
+  std::vector<std::pair<std::string, std::string>> metadata;  ///< attributes that are strings
+};
+
+/// Reads no pixel. Throws as read_image does.
+ImageHeader read_image_header(const std::filesystem::path& path);
+
+/// Reads channels by their full names, as stored, non-finite values included: row(y, values) gets
+/// width * names.size() interleaved values for each row of the display window from top to bottom,
+/// 0 outside the data. Takes memory for some rows only. Throws as read_image does.
+void read_channel_rows(const std::filesystem::path& path, std::span<const std::string> names,
+                       const std::function<void(int y, std::span<const float> values)>& row);
 
 }  // namespace relume

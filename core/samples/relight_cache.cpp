@@ -267,6 +267,12 @@ int RelightCache::block_count(const PackedTile& tile, PixelShare share) const {
   return count;
 }
 
+uint64_t RelightCache::hash() const {
+  CacheHeader header;
+  std::memcpy(&header, bytes_.data(), sizeof(header));
+  return header.index_hash;  // the directory holds the hashes of all chunks
+}
+
 size_t RelightCache::shading_bytes() const {
   size_t size = 0;
   for (const PackedTile& tile : tiles_) {

@@ -133,6 +133,8 @@ class RelightCache {
   uint64_t slot_count() const { return slot_count_; }
   /// Bytes of the whole cache, header included.
   size_t size_bytes() const { return bytes_.size(); }
+  /// XXH3 over all that the file says: equal hashes stand for equal caches.
+  uint64_t hash() const;
   /// Bytes that shading without shadows reads: records and block headers.
   size_t shading_bytes() const;
   /// Fraction of each pixel that geometry covers, row-major, in [0, 1] (8-bit precision).

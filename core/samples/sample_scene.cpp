@@ -88,7 +88,9 @@ int tiles_across(int pixels) {
   return (pixels + tile_size - 1) / tile_size;
 }
 
-SampleTile sample_rectangle(const ViewSampler& view, const TileRectangle& place) {
+SampleTile sample_rectangle(const ViewSampler& view, const TileRectangle& place,
+                            SampleCells* cells = nullptr) {
+  if (cells != nullptr) cells->assign(view.types.types.size(), {});
   SampleTile tile;
   tile.x0 = place.x0;
   tile.y0 = place.y0;
@@ -104,13 +106,15 @@ SampleTile sample_rectangle(const ViewSampler& view, const TileRectangle& place)
     positions.clear();
     sample_pixel(view.strata, view.seed,
                  static_cast<uint64_t>(y) * static_cast<uint64_t>(view.width) + x, positions);
-    for (const vec2 offset : positions) {
+    for (size_t cell = 0; cell < positions.size(); ++cell) {
       const Ray ray{.origin = view.rays.eye(),
-                    .direction = view.rays.direction(vec2(x, y) + offset)};
+                    .direction = view.rays.direction(vec2(x, y) + positions[cell])};
       const std::optional<SurfacePoint> point = view.tracer->intersect(ray);
       if (!point) continue;
       const uint16_t type = view.types.type_of_material[point->material];
-      append_sample(view, view.types.types[type], *point, weight, tile.types[type]);
+      const bool is_kept =
+          append_sample(view, view.types.types[type], *point, weight, tile.types[type]);
+      if (is_kept && cells != nullptr) (*cells)[type].push_back(static_cast<uint16_t>(cell));
     }
     for (TypedRows& rows : tile.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));
   }
@@ -145,6 +149,10 @@ TileRectangle tile_rectangle(const ViewSampler& view, int index) {
 
 SampleTile sample_tile(const ViewSampler& view, int index) {
   return sample_rectangle(view, tile_rectangle(view, index));
+}
+
+SampleTile sample_tile(const ViewSampler& view, int index, SampleCells& cells) {
+  return sample_rectangle(view, tile_rectangle(view, index), &cells);
 }
 
 SampleTile sample_one_pixel(const ViewSampler& view, int x, int y) {

@@ -47,6 +47,13 @@ TileRectangle tile_rectangle(const ViewSampler& view, int index);
 /// is dropped and counted. A function of (scene, view, index) alone.
 SampleTile sample_tile(const ViewSampler& view, int index);
 
+/// Per type and row of a tile, the stratum that the sample lies in: which of the pixel's cells, in
+/// scanline order.
+using SampleCells = std::vector<std::vector<uint16_t>>;
+
+/// The same, and where within their pixels the samples lie.
+SampleTile sample_tile(const ViewSampler& view, int index, SampleCells& cells);
+
 /// The same for the single pixel (x, y), as a tile of one pixel: bit-equal to its part of the tile.
 SampleTile sample_one_pixel(const ViewSampler& view, int x, int y);
 

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/progress.h"
+#include "core/scene/channel_map.h"
 #include "viewer/commands/commands.h"
 #include "viewer/commands/study_names.h"
 #include "viewer/commands/version.h"
@@ -50,7 +51,7 @@ void add_labels(CLI::App& app, const std::string& name, std::vector<E>& values,
       values.push_back(*found);
     }
   };
-  app.add_option_function<std::vector<std::string>>(name, parse, help);
+  app.add_option_function<std::vector<std::string>>(name, parse, help)->delimiter(',');
 }
 
 void add_common(CLI::App& app, CommonOptions& common) {
@@ -124,6 +125,8 @@ struct Parsed {
   ViewOptions view;
   PrepareCommandOptions prepare;
   RenderOptions render;
+  SampleOptions sample;
+  VerifyOptions verify;
   CompareOptions compare;
   BenchOptions bench;
   InfoOptions info;
@@ -181,9 +184,28 @@ void add_prepare_command(CLI::App& app, Parsed& p) {
   CLI::App& sub = add_command(app, p, "prepare", "Sample and reduce a scene into a .relume cache",
                               "  relume prepare hair -o hair.relume --records 4\n"
                               "  relume prepare hair -o hair.relume --frame-ms 10\n"
-                              "  relume prepare hair -o hair.relume --target-error 0.02",
+                              "  relume prepare hair -o hair.relume --target-error 0.02\n"
+                              "  relume prepare aovs.exr --channels cycles --samples 5 --proxy "
+                              "tree.json -o tree.relume",
                               [&p] { return run_prepare(p.prepare, p.common); });
-  sub.add_option("scene", p.prepare.scene, "scene label or file")->required();
+  sub.add_option("scene", p.prepare.scene,
+                 "scene label or file; with --channels an AOV image (EXR)")
+      ->required();
+  CLI::Option* channels =
+      sub.add_option("--channels", p.prepare.channels,
+                     "take another renderer's samples; where they are in its image: " +
+                         fmt::format("{}", fmt::join(channel_preset_names(), ", ")) +
+                         ", or a channel map (docs/aov-input.md)");
+  sub.add_option("--samples", p.prepare.samples_per_side,
+                 "sub-pixels of a pixel's side in the AOV image")
+      ->check(CLI::Range(1, 32))
+      ->capture_default_str()
+      ->needs(channels);
+  CLI::Option* proxy =
+      sub.add_option("--proxy", p.prepare.proxy,
+                     "scene that gives the AOV image camera, lights and what casts the shadows")
+          ->needs(channels);
+  channels->needs(proxy);
   sub.add_option("-o,--output", p.prepare.output, "cache to write")->required();
   sub.add_option("--frame-ms", p.prepare.prepare.frame_ms,
                  "choose records and format so that moving one light takes so long at most")
@@ -191,6 +213,22 @@ void add_prepare_command(CLI::App& app, Parsed& p) {
   add_label(sub, "--shadow", p.prepare.prepare.frame_shadows, shadow_method_labels,
             "shadow method that --frame-ms pays for");
   add_prepare(sub, p.prepare.prepare);
+}
+
+void add_sample(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(
+      app, p, "sample", "Write a scene's samples as a flat AOV image, one a sub-pixel (EXR)",
+      "  relume sample hair --samples 5 -o aovs.exr\n  relume prepare aovs.exr --channels relume "
+      "--samples 5 --proxy hair -o hair.relume",
+      [&p] { return run_sample(p.sample, p.common); });
+  sub.add_option("scene", p.sample.scene, "scene label or file")->required();
+  sub.add_option("-o,--output", p.sample.output, "image to write (EXR)")->required();
+  sub.add_option("--samples", p.sample.samples_per_side, "sub-pixels of a pixel's side")
+      ->check(CLI::Range(1, 32))
+      ->capture_default_str();
+  sub.add_option("--width", p.sample.width, "pixels; 0 = the scene's")->check(CLI::Range(0, 16384));
+  sub.add_option("--height", p.sample.height, "pixels; 0 = the scene's")
+      ->check(CLI::Range(0, 16384));
 }
 
 void add_render(CLI::App& app, Parsed& p) {
@@ -211,8 +249,23 @@ void add_render(CLI::App& app, Parsed& p) {
                  "write the predicted error of each pixel in false colour (PNG)");
   sub.add_option("--record-map", o.record_map,
                  "write the records of each pixel in false colour (PNG)");
+  add_labels(
+      sub, "--aov", o.aovs, frame_aov_labels,
+      "write these beside the light (EXR; docs/frame-format.md): " + label_list(frame_aov_labels));
   add_label(sub, "--isa", o.instruction_set, instruction_set_labels, "instruction set");
   add_prepare(sub, o.prepare);
+}
+
+void add_verify(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(
+      app, p, "verify",
+      "Render an EXR frame again as its header says and compare it bit for bit; exit code 1 and "
+      "the first difference where it is not the same",
+      "  relume verify frame.exr\n  relume verify frame.exr hair.relume",
+      [&p] { return run_verify(p.verify, p.common); });
+  sub.add_option("frame", p.verify.frame, "frame that relume render wrote (EXR)")->required();
+  sub.add_option("cache", p.verify.cache,
+                 "cache that it was made from; default: its scene is prepared again");
 }
 
 void add_compare(CLI::App& app, Parsed& p) {
@@ -338,6 +391,8 @@ int run_command_line(int argc, const char* const* argv) {
   add_view(app, parsed);
   add_prepare_command(app, parsed);
   add_render(app, parsed);
+  add_sample(app, parsed);
+  add_verify(app, parsed);
   add_compare(app, parsed);
   add_bench(app, parsed);
   add_info(app, parsed);

@@ -35,12 +35,14 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
   const CacheInfo& info = input.cache->info();
   const DisplayTransform display{.exposure = info.exposure};
   const auto shadows = make_shadow(ShadowMethod::ray, *input.tracer, *input.cache);
+  const FrameRecipe recipe{
+      .shadow = ShadowMethod::ray, .shadows = shadows.get(), .scene = &input.tracer->scene()};
   RelightState state = make_relight_state(*input.cache);
   relight(state, info.lights, shadows.get());
   const double first_picture_ms = timer.ms();
-  save_frame(state, display, folder / "frame.exr");
-  save_frame(state, display, folder / "frame.png");
-  save_frame(state, display, folder / "before.png");
+  save_frame(state, display, folder / "frame.exr", recipe);
+  save_frame(state, display, folder / "frame.png", recipe);
+  save_frame(state, display, folder / "before.png", recipe);
 
   const RelightCache samples = prepare_in_memory(
       *input.scene, *input.tracer, make_prepare_params(all_samples(options.prepare), common),
@@ -48,14 +50,14 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
   RelightState reference = make_relight_state(samples);
   const auto traced = make_shadow(ShadowMethod::ray, *input.tracer, samples);
   const RelightStats reference_stats = relight(reference, info.lights, traced.get());
-  save_frame(reference, display, folder / "reference.png");
+  save_frame(reference, display, folder / "reference.png", {});
   const ImageError error = compare_images(state.frame, reference.frame, samples.coverage());
   write_png(folder / "heatmap.png",
             render_heatmap(error_image(state.frame, reference.frame), {.range = 0.1f}));
 
   const RelightStats moved =
       relight(state, move_first_light(info.lights, info.bounds), shadows.get());
-  save_frame(state, display, folder / "after.png");
+  save_frame(state, display, folder / "after.png", recipe);
 
   const double lights = std::max<double>(1, static_cast<double>(info.lights.size()));
   print_figures("relume-demo-1", common,

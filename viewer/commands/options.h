@@ -9,6 +9,7 @@
 #include "core/simd/instruction_set.h"
 #include "reduction/reduction.h"
 #include "shadow/shadow.h"
+#include "viewer/frames/frame_recipe.h"
 #include "viewer/session/prepare_options.h"
 
 namespace relume {
@@ -42,9 +43,20 @@ struct ViewOptions {
 };
 
 struct PrepareCommandOptions {
+  std::string scene;  ///< or an AOV image, where `channels` is set
+  std::filesystem::path output;
+  std::string channels;      ///< preset or file of a channel map; empty: `scene` is a scene
+  int samples_per_side = 5;  ///< sub-pixels of the AOV image
+  std::string proxy;         ///< scene with camera, lights and what casts the shadows
+  PrepareOptions prepare;
+};
+
+struct SampleOptions {
   std::string scene;
   std::filesystem::path output;
-  PrepareOptions prepare;
+  int samples_per_side = 5;
+  int width = 0;  ///< pixels; 0 = the scene's
+  int height = 0;
 };
 
 struct RenderOptions {
@@ -58,7 +70,13 @@ struct RenderOptions {
   std::optional<float> exposure;
   ToneCurve curve = ToneCurve::srgb;
   InstructionSet instruction_set = InstructionSet::automatic;
+  std::vector<FrameAov> aovs;  ///< beside the light, EXR
   PrepareOptions prepare;
+};
+
+struct VerifyOptions {
+  std::filesystem::path frame;
+  std::optional<std::filesystem::path> cache;  ///< nothing: prepared again as the frame says
 };
 
 struct CompareOptions {

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include "core/base/error.h"
 #include "core/base/timer.h"
+#include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
+#include "viewer/aovs/aov_reader.h"
 #include "viewer/commands/commands.h"
 #include "viewer/commands/json_output.h"
 #include "viewer/commands/process_memory.h"
@@ -28,12 +31,47 @@ void add_plan(const std::optional<FramePlan>& plan, const PrepareParams& params,
              cache.info().scene_name);
 }
 
+/// The proxy with another renderer's samples of its view.
+struct AovInput {
+  RelightInput input;
+  std::unique_ptr<const AovSamples> samples;
+  SampleSource source;
+};
+
+AovInput open_aovs(const PrepareCommandOptions& options, const CommonOptions& common,
+                   PrepareParams& params) {
+  if (params.budget.is_set() || params.frame_ms > 0 || params.width > 0 || params.height > 0 ||
+      params.reduction.method == ReductionMethod::pure) {
+    throw Error(ErrorKind::usage,
+                "--channels: an AOV image takes no budget, time, size or --method pure");
+  }
+  Scene scene = load_scene(options.proxy, shader_table(), make_terminal_progress(common.quiet));
+  const ChannelMap map = load_channel_map(options.channels, shader_table());
+  AovInput result;
+  result.samples = std::make_unique<const AovSamples>(options.scene, map, options.samples_per_side,
+                                                      scene.camera);
+  result.samples->add_materials(scene);
+  result.input.scene = std::make_unique<const Scene>(std::move(scene));
+  result.input.tracer = std::make_unique<const Tracer>(*result.input.scene);
+  result.source = result.samples->source();
+  params.spp = options.samples_per_side * options.samples_per_side;
+  params.width = result.samples->width();
+  params.height = result.samples->height();
+  return result;
+}
+
 }  // namespace
 
 int run_prepare(const PrepareCommandOptions& options, const CommonOptions& common) {
   const Timer timer;
-  const PrepareParams params = make_prepare_params(options.prepare, common);
-  const RelightInput input = open_scene(options.scene, common);
+  PrepareParams params = make_prepare_params(options.prepare, common);
+  AovInput aovs;
+  if (!options.channels.empty()) {
+    aovs = open_aovs(options, common, params);
+    params.source = &aovs.source;
+  }
+  const RelightInput input =
+      params.source ? std::move(aovs.input) : open_scene(options.scene, common);
   PrepareStats stats;
   prepare_to_file(*input.scene, *input.tracer, params, options.output,
                   make_terminal_progress(common.quiet), &stats);

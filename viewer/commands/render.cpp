@@ -29,10 +29,19 @@ RenderOptions resolve_reference(RenderOptions options) {
   return options;
 }
 
+/// A scene whose predicted error is to be written is prepared with it, where its method reduces.
+RenderOptions resolve_predicted_error(RenderOptions options) {
+  const ReductionMethod method = options.prepare.method;
+  const bool is_reduced = method != ReductionMethod::all && method != ReductionMethod::pure;
+  const auto wanted = std::find(options.aovs.begin(), options.aovs.end(), FrameAov::error);
+  if (is_reduced && wanted != options.aovs.end()) options.prepare.predict_error = true;
+  return options;
+}
+
 }  // namespace
 
 int run_render(const RenderOptions& asked, const CommonOptions& common) {
-  const RenderOptions options = resolve_reference(asked);
+  const RenderOptions options = resolve_predicted_error(resolve_reference(asked));
   const Timer timer;
   const RelightInput input = open_input(options.input, prepare_for(options.shadow, options.prepare),
                                         options.shadow != ShadowMethod::none, common);
@@ -48,7 +57,12 @@ int run_render(const RenderOptions& asked, const CommonOptions& common) {
                                      {.instruction_set = options.instruction_set});
 
   save_frame(state, {.exposure = options.exposure.value_or(info.exposure), .curve = options.curve},
-             options.output);
+             options.output,
+             {.shadow = options.shadow,
+              .shadows = shadows.get(),
+              .scene = input.scene.get(),
+              .instruction_set = options.instruction_set,
+              .aovs = options.aovs});
   print_figures(
       "relume-render-1", common,
       {{{"scene", info.scene_name},

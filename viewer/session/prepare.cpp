@@ -27,7 +27,8 @@ PackedTileData prepare_tile(const ViewSampler& view, const ReductionParams& redu
                             const ReductionLights& lights, const PrepareParams& params,
                             CacheFormat format, int index, StageClock& clock) {
   const Timer timer;
-  const SampleTile samples = sample_tile(view, index);
+  const SampleTile samples =
+      params.source ? params.source->tile(view, index) : sample_tile(view, index);
   const double sampled_ms = timer.ms();
   const SampleTile records = reduce_tile(samples, view.types.types, reduction, view.width, lights);
   const double reduced_ms = timer.ms();
@@ -66,6 +67,13 @@ CacheInfo make_info(const Scene& scene, const ViewSampler& view, const PreparePa
   return info;
 }
 
+/// Of all that can be seen or cast shadows, world.
+Bounds bounds_of(const Tracer& tracer, const PrepareParams& params) {
+  Bounds bounds = tracer.bounds();
+  if (params.source != nullptr) bounds.extend(params.source->bounds);
+  return bounds;
+}
+
 /// Not set where records and format are given.
 FrameGoal goal_of(const PrepareParams& params) {
   FrameGoal goal;
@@ -78,7 +86,7 @@ FrameGoal goal_of(const PrepareParams& params) {
 
 ReductionParams reduction_in(const Tracer& tracer, const PrepareParams& params) {
   ReductionParams reduction = params.reduction;
-  reduction.scene_radius = std::max(tracer.bounds().radius(), 1e-30f);
+  reduction.scene_radius = std::max(bounds_of(tracer, params).radius(), 1e-30f);
   return reduction;
 }
 
@@ -93,7 +101,7 @@ void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& para
              CacheWriter& writer, const ProgressCallback& callback, PrepareStats* stats) {
   ReductionParams reduction = reduction_in(tracer, params);
   const ViewSampler view = view_of(scene, tracer, params);
-  CacheInfo info = make_info(scene, view, params, tracer.bounds());
+  CacheInfo info = make_info(scene, view, params, bounds_of(tracer, params));
   CacheFormat format = params.format.value_or(CacheFormat::exact);
   if (const FrameGoal goal = goal_of(params); goal.is_set()) {
     const FramePlan plan =

@@ -15,6 +15,13 @@
 
 namespace relume {
 
+/// Samples of the view that something else than our ray tracer took.
+struct SampleSource {
+  /// Tile `index` of the view with PrepareParams::spp samples a pixel, as sample_tile gives it.
+  std::function<SampleTile(const ViewSampler& view, int index)> tile;
+  Bounds bounds;  ///< of their positions, world
+};
+
 /// From a scene to records, tile by tile: sample -> reduce -> pack.
 struct PrepareParams {
   int spp = 25;  ///< samples per pixel, [1, 1024]; method pure takes `records` instead
@@ -29,6 +36,7 @@ struct PrepareParams {
   ShadowMethod frame_shadows = ShadowMethod::none;  ///< FrameGoal::shadows
   int width = 0;                                    ///< pixels; 0 = the scene's
   int height = 0;                                   ///< pixels; 0 = the scene's
+  const SampleSource* source = nullptr;  ///< null: the scene is traced; set: no budget, no frame_ms
   /// Called with the records of each tile, from working threads, in any order; may be empty.
   std::function<void(const ViewSampler& view, const SampleTile& records)> on_tile;
 };

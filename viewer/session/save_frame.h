@@ -4,15 +4,14 @@
 
 #include "core/image/display_transform.h"
 #include "core/relight/relight.h"
+#include "viewer/frames/frame_recipe.h"
 
 namespace relume {
 
-/// Writes state.frame: a path that ends in .exr gets scene-linear beauty (R, G, B), one layer per
-/// light (light.<name>.R ...) that sum to it, coverage (A), records per pixel (records.V),
-/// predicted error where the cache has it (predicted_error.V), and metadata; any other a PNG
-/// through `display`.
+/// Writes state.frame: a path that ends in .exr gets make_frame_layers() and make_frame_metadata(),
+/// any other a PNG through `display`.
 void save_frame(const RelightState& state, const DisplayTransform& display,
-                const std::filesystem::path& path);
+                const std::filesystem::path& path, const FrameRecipe& recipe);
 
 /// Writes the predicted error of each pixel in false colour with an automatic scale, as a PNG.
 /// Throws Error(usage) when the cache has none.

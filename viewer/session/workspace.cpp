@@ -50,7 +50,10 @@ Notice write_frame(const FrameExport& job) {
                             : make_shadow(job.shadows, *job.tracer, *job.cache);
     RelightState state = make_relight_state(*job.cache);
     relight(state, job.lights, source.get());
-    save_frame(state, job.display, job.path);
+    save_frame(state, job.display, job.path,
+               {.shadow = source ? job.shadows : ShadowMethod::none,
+                .shadows = source.get(),
+                .scene = source ? &job.tracer->scene() : nullptr});
   } catch (const std::exception& failure) {
     return {printable(failure.what(), 400), true};
   }

@@ -1,0 +1,312 @@
+#include "viewer/aovs/aov_reader.h"
+
+#include <fmt/format.h>
+
+#include "core/base/check.h"
+#include "core/base/error.h"
+#include "core/image/image_io.h"
+#include "core/scene/limits.h"
+#include "core/trace/ray_bias.h"
+
+namespace relume {
+namespace {
+
+constexpr uint64_t max_value_bytes = uint64_t{8} << 30;
+/// More samples than this part of them may not look filtered.
+constexpr double most_filtered = 0.01;
+/// Positions further from their pixels count as unseen there; strands lie on their axes.
+constexpr float most_offset_px = 2;
+constexpr double most_unseen = 0.1;
+
+/// The channels of a file, found by names that may lack leading layers.
+class ChannelFinder {
+ public:
+  ChannelFinder(std::string place, const std::vector<std::string>& channels)
+      : place_(std::move(place)), channels_(channels) {}
+
+  /// The full name, or empty where there is none.
+  std::string find(const std::string& name) const {
+    std::string found;
+    for (const std::string& channel : channels_) {
+      if (channel == name) return channel;
+      if (!channel.ends_with("." + name)) continue;
+      if (!found.empty()) {
+        throw input_error(place_, fmt::format("'{}' is ambiguous: {} or {}", name, found, channel),
+                          "give the whole name in the channel map");
+      }
+      found = channel;
+    }
+    return found;
+  }
+
+  /// The full names of a layer's `width` (1 or 3) components, or none.
+  std::vector<std::string> find_layer(const std::string& layer, int width) const {
+    if (width == 1) {
+      for (const char* end : {"", ".V", ".X", ".R", ".Y", ".x", ".r"}) {
+        if (std::string name = find(layer + end); !name.empty()) return {name};
+      }
+      return {};
+    }
+    for (const std::string_view set : {"XYZ", "RGB", "xyz", "rgb"}) {
+      std::vector<std::string> names;
+      for (const char component : set) names.push_back(find(layer + "." + component));
+      if (std::count(names.begin(), names.end(), "") == 0) return names;
+    }
+    return {};
+  }
+
+  const std::string& place() const { return place_; }
+
+ private:
+  std::string place_;
+  const std::vector<std::string>& channels_;
+};
+
+Error missing_channel(const std::string& place, const std::string& name) {
+  return input_error(place, fmt::format("there is no channel or layer '{}'", name),
+                     "check --channels (docs/aov-input.md)");
+}
+
+int index_of(std::vector<std::string>& names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) names.push_back(name);
+  return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+bool is_unit_field(const SampleField& field) {
+  return field.width == 3 && (field.kind == FieldKind::direction || field.kind == FieldKind::axis);
+}
+
+/// Half floats give unit vectors to about 1e-3.
+bool is_unit(vec3 v) {
+  return std::abs(glm::length(v) - 1) < 0.01f;
+}
+
+vec3 read_vector(const float* values, const std::array<int, 3>& channels, vec3 constant) {
+  if (channels[0] < 0) return constant;
+  vec3 v(values[channels[0]]);
+  for (int c = 1; c < 3; ++c) {
+    if (channels[c] >= 0) v[c] = values[channels[c]];
+  }
+  return v;
+}
+
+/// As glTF materials become `phong` (docs/scene-format.md).
+float exponent_of_roughness(float roughness) {
+  const float square = roughness * roughness;
+  return 1 / std::max(2 * square * square, 1e-5f);
+}
+
+}  // namespace
+
+AovSamples::AovSamples(const std::filesystem::path& path, const ChannelMap& map,
+                       int samples_per_side, const Camera& camera)
+    : side_(samples_per_side) {
+  const ImageHeader header = read_image_header(path);
+  if (header.width % side_ != 0 || header.height % side_ != 0) {
+    throw input_error(path.string(),
+                      fmt::format("{} x {} pixels are no blocks of {} x {}", header.width,
+                                  header.height, side_, side_),
+                      "give --samples, the sub-pixels of a pixel's side");
+  }
+  width_ = header.width / side_;
+  height_ = header.height / side_;
+  resolve(path, map);
+  const uint64_t values = uint64_t{static_cast<uint64_t>(header.width)} *
+                          static_cast<uint64_t>(header.height) * channels_.size();
+  if (values > max_value_bytes / sizeof(float)) {
+    throw limit_error(path.string(), "the channels take more than 8 GiB", "cut the picture");
+  }
+  values_.reserve(values);
+  read_channel_rows(path, channels_, [&](int /*y*/, std::span<const float> row) {
+    values_.insert(values_.end(), row.begin(), row.end());
+  });
+  check(path, CameraRays(camera, width_, height_));
+}
+
+void AovSamples::resolve(const std::filesystem::path& path, const ChannelMap& map) {
+  const std::vector<std::string> names = read_channel_names(path);
+  const ChannelFinder finder(path.string(), names);
+  const auto resolve_channel = [&](const std::string& name) {
+    if (name.empty()) return -1;
+    const auto found = finder.find_layer(name, 1);
+    if (found.empty()) throw missing_channel(path.string(), name);
+    return index_of(channels_, found[0]);
+  };
+  coverage_ = resolve_channel(map.coverage);
+  id_ = resolve_channel(map.id);
+  for (const ChannelType& wanted : map.types) {
+    Type& type = types_.emplace_back();
+    type.shader = wanted.shader;
+    type.id = wanted.id;
+    for (const SampleField& field : wanted.shader->fields) {
+      Field& target = type.fields.emplace_back();
+      target.constant = vec3(field.initial);
+      target.is_default_bias = field.source == FieldSource::bias;
+      for (const ChannelSource& source : wanted.fields) {
+        const bool is_roughness = source.field == "roughness" && field.name == "exponent";
+        if (source.field != field.name && !is_roughness) continue;
+        target.is_roughness = is_roughness;
+        target.is_default_bias = false;
+        target.constant = source.constant;
+        if (source.layer.empty()) continue;
+        const auto found = finder.find_layer(source.layer, field.width);
+        if (found.empty()) type.missing = source.layer;
+        for (size_t c = 0; c < found.size(); ++c) {
+          target.channels[c] = index_of(channels_, found[c]);
+        }
+      }
+    }
+    if (!type.missing.empty() && types_.size() == map.types.size() && !type.id) {
+      throw missing_channel(path.string(), type.missing);
+    }
+  }
+}
+
+bool AovSamples::is_hit(const float* values) const {
+  if (coverage_ >= 0 && !(values[coverage_] > 0.5f)) return false;
+  if (id_ >= 0) return find_type(values) >= 0;
+  if (coverage_ >= 0) return true;
+  const Type& type = types_.front();
+  for (size_t i = 0; i < type.fields.size(); ++i) {
+    if (!is_unit_field(type.shader->fields[i])) continue;
+    return read_vector(values, type.fields[i].channels, vec3(0)) != vec3(0);
+  }
+  return true;
+}
+
+int AovSamples::find_type(const float* values) const {
+  for (size_t t = 0; t < types_.size(); ++t) {
+    if (!types_[t].id || (id_ >= 0 && values[id_] == *types_[t].id)) return static_cast<int>(t);
+  }
+  return -1;
+}
+
+void AovSamples::check(const std::filesystem::path& path, const CameraRays& rays) {
+  uint64_t not_unit = 0;
+  uint64_t partial = 0;
+  uint64_t unseen = 0;
+  for (int y = 0; y < height_ * side_; ++y) {
+    for (int x = 0; x < width_ * side_; ++x) {
+      const float* values = values_at(x, y);
+      if (coverage_ >= 0 && values[coverage_] > 0.02f && values[coverage_] < 0.98f) ++partial;
+      if (!is_hit(values)) continue;
+      const Type& type = types_[static_cast<size_t>(find_type(values))];
+      if (!type.missing.empty()) throw missing_channel(path.string(), type.missing);
+      for (size_t i = 0; i < type.fields.size(); ++i) {
+        const SampleField& field = type.shader->fields[i];
+        const vec3 v = read_vector(values, type.fields[i].channels, vec3(0));
+        if (!is_finite(v) || (field.source == FieldSource::position && !is_coordinate(v))) {
+          throw input_error(path.string(),
+                            fmt::format("the {} of sub-pixel ({}, {}) is not finite or too large",
+                                        field.name, x, y),
+                            "render it again");
+        }
+        if (is_unit_field(field) && !is_unit(v)) ++not_unit;
+        if (field.source != FieldSource::position) continue;
+        bounds_.extend(v);
+        const CameraRays::Projection seen = rays.project(v);
+        const vec2 center = (vec2(x, y) + 0.5f) / static_cast<float>(side_);
+        if (!(seen.depth > 0) || glm::distance(seen.film_px, center) > most_offset_px) ++unseen;
+      }
+      ++sample_count_;
+    }
+  }
+  const auto hits = static_cast<double>(sample_count_);
+  if (sample_count_ == 0) {
+    throw input_error(path.string(), "no sub-pixel holds a sample", "check --channels");
+  }
+  if (static_cast<double>(not_unit) > most_filtered * hits) {
+    throw input_error(path.string(),
+                      fmt::format("{} of {} normals or tangents are not unit vectors: the image "
+                                  "was filtered",
+                                  not_unit, sample_count_),
+                      "render one sample a sub-pixel without a pixel filter");
+  }
+  if (static_cast<double>(partial) > most_filtered * hits) {
+    throw input_error(
+        path.string(),
+        fmt::format("{} sub-pixels are covered in part: the image was filtered", partial),
+        "render one sample a sub-pixel without a pixel filter");
+  }
+  if (static_cast<double>(unseen) > most_unseen * hits) {
+    throw input_error(path.string(),
+                      fmt::format("{} of {} positions are not where the proxy's camera sees them",
+                                  unseen, sample_count_),
+                      "check the camera, the axes and units of --proxy, and --samples");
+  }
+}
+
+void AovSamples::add_materials(Scene& scene) const {
+  for (const Type& type : types_) {
+    Material& material = scene.materials.emplace_back();
+    material.name = fmt::format("aov-{}", type.shader->name);
+    const auto found = std::find(scene.shaders.begin(), scene.shaders.end(), type.shader);
+    material.shader = static_cast<int>(found - scene.shaders.begin());
+  }
+}
+
+SampleSource AovSamples::source() const {
+  return {[this](const ViewSampler& view, int index) { return make_tile(view, index); }, bounds_};
+}
+
+bool AovSamples::append(const Type& type, const SampleType& sample_type, const float* values,
+                        TypedRows& rows, vec3 eye) const {
+  const size_t start = rows.values.size();
+  vec3 position(0);
+  for (size_t i = 0; i < type.fields.size(); ++i) {
+    const SampleField& field = type.shader->fields[i];
+    const Field& from = type.fields[i];
+    vec3 v = read_vector(values, from.channels, from.constant);
+    if (field.source == FieldSource::position) position = v;
+    if (from.is_default_bias) v = vec3(surface_bias(position, position, position));
+    if (from.is_roughness) v = vec3(exponent_of_roughness(v.x));
+    if (field.source == FieldSource::material) {
+      v = glm::clamp(v, vec3(field.low), vec3(field.high));
+    }
+    if (is_unit_field(field)) {
+      // Vectors that are unit to a few bits stay as they are.
+      if (std::abs(glm::dot(v, v) - 1) > 1e-5f) v = normalize_or(v, vec3(0));
+      if (v == vec3(0)) {
+        rows.values.resize(start);
+        return false;
+      }
+      if (field.source == FieldSource::normal && glm::dot(v, eye - position) < 0) v = -v;
+    }
+    for (int c = 0; c < field.width; ++c) rows.values.push_back(v[c]);
+  }
+  CHECK_MSG(rows.values.size() - start == static_cast<size_t>(sample_type.width), "width {}",
+            sample_type.width);
+  return true;
+}
+
+SampleTile AovSamples::make_tile(const ViewSampler& view, int index) const {
+  const TileRectangle place = tile_rectangle(view, index);
+  SampleTile tile;
+  tile.x0 = place.x0;
+  tile.y0 = place.y0;
+  tile.width = place.width;
+  tile.height = place.height;
+  tile.types.resize(view.types.types.size());
+  for (TypedRows& rows : tile.types) rows.first.push_back(0);
+  const size_t first_material = view.types.type_of_material.size() - types_.size();
+  const float weight = 1.0f / static_cast<float>(side_ * side_);
+  for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
+    const int x = (tile.x0 + pixel % tile.width) * side_;
+    const int y = (tile.y0 + pixel / tile.width) * side_;
+    for (int cell = 0; cell < side_ * side_; ++cell) {
+      const float* values = values_at(x + cell % side_, y + cell / side_);
+      if (!is_hit(values)) continue;
+      const auto type = static_cast<size_t>(find_type(values));
+      const uint16_t sample_type = view.types.type_of_material[first_material + type];
+      TypedRows& rows = tile.types[sample_type];
+      const bool is_kept =
+          append(types_[type], view.types.types[sample_type], values, rows, view.scene->camera.eye);
+      if (is_kept) rows.weights.push_back(weight);
+    }
+    for (TypedRows& rows : tile.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));
+  }
+  return tile;
+}
+
+}  // namespace relume

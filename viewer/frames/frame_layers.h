@@ -1,0 +1,29 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/image/image_io.h"
+#include "core/relight/relight.h"
+#include "viewer/frames/frame_recipe.h"
+
+namespace relume {
+
+/// The layers of a frame's file and the images they show. Points into the RelightState.
+struct FrameLayers {
+  std::deque<Image> images;
+  std::vector<ExrLayer> layers;
+};
+
+/// Beauty (R, G, B), coverage (A), one layer a light (light.<name>.R ...) that sum to beauty,
+/// records per pixel (records.V), predicted error where the cache has it (predicted_error.V), and
+/// the AOVs that `recipe` asks for. Throws Error(usage) for an AOV that the cache cannot give.
+FrameLayers make_frame_layers(const RelightState& state, const FrameRecipe& recipe);
+
+/// All that is needed to make the frame again, as a file's attributes (docs/frame-format.md).
+std::vector<std::pair<std::string, std::string>> make_frame_metadata(const RelightState& state,
+                                                                     const FrameRecipe& recipe);
+
+}  // namespace relume
