@@ -6,6 +6,8 @@
 #include <cstdlib>
 
 #include "core/image/image_io.h"
+#include "core/scene/io/load_scene.h"
+#include "core/shade/shaders.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/commands/relight_input.h"
 #include "viewer/session/render_command.h"
@@ -105,6 +107,24 @@ TEST_F(Export, TheReferenceIsRenderedAsOne) {
   ASSERT_TRUE(shows_all_samples(*workspace_.session()));
   expect_same_bytes(".exr");
   EXPECT_NE(workspace_.copy_command().find("--reference"), std::string::npos);
+}
+
+TEST(ExportOfACache, TheReferenceIsThatOfItsBuiltInScene) {
+  const TemporaryFolder folder;
+  const WorkspaceOptions options{.state_folder = folder.path(), .work_folder = folder.path()};
+  PrepareOptions small;
+  small.width = small.height = 16;
+  small.spp = 2;
+  small.records = 1;
+  const Scene scene = load_scene("spheres", shader_table());
+  const Tracer tracer(scene);
+  prepare_to_file(scene, tracer, make_prepare_params(small, quiet), folder.file("made.relume"), {});
+  Workspace workspace(open_quietly, folder.file("made.relume").string(), options);
+  workspace.wait(true);
+  workspace.session()->view().shown = ShownPicture::reference;
+  workspace.wait(true);
+  EXPECT_EQ(workspace.copy_command().find("relume render spheres --reference"), 0u)
+      << workspace.copy_command();
 }
 
 TEST_F(Export, ANewNameEachTimeAndAProblemIsANotice) {

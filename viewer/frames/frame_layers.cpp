@@ -119,6 +119,10 @@ std::string aov_list(const std::vector<FrameAov>& aovs) {
 
 }  // namespace
 
+std::string scene_input(const CacheInfo& info) {
+  return info.scene_file.empty() ? info.scene_name : info.scene_file;
+}
+
 FrameLayers make_frame_layers(const RelightState& state, const FrameRecipe& recipe) {
   return LayerMaker(state, recipe).make();
 }
@@ -131,7 +135,7 @@ std::vector<std::pair<std::string, std::string>> make_frame_metadata(const Relig
       {"relume:version", relume_version},
       {"relume:commit", relume_commit},
       {"relume:scene", info.scene_name},
-      {"relume:scene_file", info.scene_file.empty() ? info.scene_name : info.scene_file},
+      {"relume:scene_file", scene_input(info)},
       {"relume:cache_hash", fmt::format("{:016x}", state.cache->hash())},
       {"relume:method", info.method},
       {"relume:records", fmt::format("{}", info.records)},

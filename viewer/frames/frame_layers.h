@@ -11,6 +11,9 @@
 
 namespace relume {
 
+/// What commands take for the scene that a cache was made from: its file, or a built-in label.
+std::string scene_input(const CacheInfo& info);
+
 /// The layers of a frame's file and the images they show. Points into the RelightState.
 struct FrameLayers {
   std::deque<Image> images;

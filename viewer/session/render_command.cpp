@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/samples/relight_cache.h"
+#include "viewer/frames/frame_layers.h"
 
 namespace relume {
 namespace {
@@ -21,7 +22,7 @@ std::vector<std::string> input_arguments(const SessionFile& origin, const Sessio
   PrepareOptions prepare = origin.prepare;
   if (is_cache(origin.input)) {
     // A cache holds no samples: they come from the scene that it was made from.
-    arguments[0] = session.cache()->info().scene_file;
+    arguments[0] = scene_input(session.cache()->info());
     prepare.width = session.info().width;
     prepare.height = session.info().height;
   }

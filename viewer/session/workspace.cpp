@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/scene/io/load_scene.h"
+#include "viewer/frames/frame_layers.h"
 #include "viewer/session/recent_files.h"
 #include "viewer/session/render_command.h"
 #include "viewer/session/save_frame.h"
@@ -422,7 +423,7 @@ SessionFile Workspace::origin_of_records() const {
   if (!records_.is_set() || session_->cache() == nullptr) return origin;
   const CacheInfo& info = session_->cache()->info();
   if (std::filesystem::path(origin.input).extension() == ".relume") {
-    origin.input = info.scene_file;
+    origin.input = scene_input(info);
     origin.prepare = options_of(info).value_or(origin.prepare);
     origin.seed = info.seed;
   }
