@@ -40,8 +40,12 @@ Light make_point(vec3 position) {
 }
 
 /// Beside, low, inside, overhead, then a path of three small steps from the first; parallel last.
-std::vector<NamedLight> make_lights(const std::string& scene) {
-  const bool is_hair = scene == "hair";
+/// Of scenes of files, their own.
+std::vector<NamedLight> make_lights(const Scene& scene) {
+  std::vector<NamedLight> own;
+  for (const Light& light : scene.lights) own.push_back({light.name, light});
+  if (!scene.file.empty()) return own;
+  const bool is_hair = scene.name == "hair";
   const vec3 start = is_hair ? vec3(3, 4, 4) : vec3(-5, 5, 4);
   std::vector<NamedLight> lights = {
       {"beside", make_point(start)},
@@ -296,12 +300,12 @@ void measure(const std::string& name, VisibilitySource& source, const RelightCac
 int main(int argc, char** argv) {
   using namespace relume;  // NOLINT
   if (argc < 6) return 2;
-  const std::string name = argv[1];
   const int width = std::atoi(argv[2]);
   const int height = std::atoi(argv[3]);
-  const Scene scene = load_scene(name, shader_table());
+  const Scene scene = load_scene(argv[1], shader_table());
+  const std::string name = scene.name;
   const Tracer tracer(scene);
-  std::vector<NamedLight> lights = make_lights(name);
+  std::vector<NamedLight> lights = make_lights(scene);
   if (const char* count = std::getenv("LIGHTS")) lights.resize(std::atoi(count));
   const std::vector<Pixels> truth =
       keep_truth(name, scene, tracer, width, height, std::atoi(argv[4]), lights);
