@@ -30,9 +30,10 @@ struct ShadowChoice {
 
 /// Picks a method by what there is to shadow and by measured times. Solids alone are traced at
 /// every level, and at the final one everything is, from all members. Else the first of `coverage`,
-/// `opacity` and `volume` that fits the budget; `volume` when none does. A method that was never timed is judged by one that was (typical_cost) and tried only when
-/// it should fit; until anything was timed the last one is taken. So that choices do not flicker, a
-/// method that is not in use must fit four fifths of the budget.
+/// `opacity` and `volume` that fits the budget; `volume` when none does. A method that was never
+/// timed is judged by one that was (typical_cost) and tried only when it should fit; until anything
+/// was timed the last one is taken. So that choices do not flicker, a method that is not in use
+/// must fit four fifths of the budget.
 class ShadowChooser {
  public:
   explicit ShadowChooser(const ShadowContent& content) : content_(content) {}
