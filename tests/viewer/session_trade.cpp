@@ -245,6 +245,7 @@ TEST(Trade, ASavedSessionKeepsItsRecords) {
 TEST(Trade, ClosesWhileRecordsArePrepared) {
   const TemporaryFolder folder;
   std::atomic<bool> started{false};
+  std::atomic<bool> cancelled{false};
   const auto opener = [&](const SessionFile&, const ProgressCallback&, PreparePreview&) {
     OpenedInput opened;
     opened.session = std::make_unique<Session>(make_fake_parts({.reference = false}));
@@ -253,14 +254,19 @@ TEST(Trade, ClosesWhileRecordsArePrepared) {
                                  const ProgressCallback& progress) -> SessionRecords {
       started = true;
       while (progress("stuck", 0.5, 1)) std::this_thread::yield();
+      cancelled = true;
       throw Error(ErrorKind::cancelled, "stopped");
     };
     return opened;
   };
-  Workspace workspace(opener, "hair", {.state_folder = folder.path()});
-  workspace.wait(true);
-  workspace.session()->view().trade.kind = TradeKind::level;
-  while (!started) workspace.update(true);
+  {
+    Workspace workspace(opener, "hair", {.state_folder = folder.path()});
+    workspace.wait(true);
+    workspace.session()->view().trade.kind = TradeKind::level;
+    while (!started) workspace.update(true);
+    EXPECT_FALSE(cancelled);
+  }
+  EXPECT_TRUE(cancelled) << "it waited for the preparation to give up";
 }
 
 TEST(Trade, RecordsOfAForecastAreThoseOfItsBudget) {
