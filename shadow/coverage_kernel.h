@@ -44,7 +44,8 @@ struct alignas(64) CoverageReceiver {
   float piece = -1;              ///< tag of the piece that it lies on, or -1
   int16_t normal[3] = {};        ///< that light is judged by, times 32767; zero on strands
   int16_t plane[3] = {};         ///< of the geometry, times 32767, within 90 degrees of `normal`
-  uint32_t lit_from_behind = 0;  ///< 0: light from behind `normal` does not count
+  uint16_t lit_from_behind = 0;  ///< 0: light from behind `normal` does not count
+  uint16_t has_back = 0;         ///< 1: a body, which hides it from light from behind
 };
 
 /// A projective view from the light: (x, y, d) = rows * (p, 1), w = 1 + k d, then u = x / w,

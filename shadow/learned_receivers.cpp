@@ -2,6 +2,7 @@
 
 #include "core/base/check.h"
 #include "core/base/parallel.h"
+#include "core/trace/ray_bias.h"
 
 namespace relume {
 namespace {
@@ -22,6 +23,8 @@ constexpr double plane_cosine = 0.98;
 constexpr double piece_cosine = 0.9;
 /// How far from a sample its own surface is looked for.
 constexpr double search_px = 0.5;
+/// Bodies are looked for so deep.
+constexpr double body_px = 1;
 
 dvec3 normalize_or_zero(dvec3 v) {
   const double length = glm::length(v);
@@ -111,6 +114,7 @@ struct Spot {
   uint32_t receiver = 0;  ///< its first one
   double bias = 0;
   bool lit_from_behind = false;
+  bool has_back = false;  ///< light from behind would leave through another face of its piece
 };
 
 /// Learns a tile.
@@ -214,6 +218,7 @@ class TileLearner {
       while (i < spots.size() && !is_on_piece(spots[i], spot, pixel)) ++i;
     }
     if (i == spots.size()) {
+      spot.has_back = on_surface && spot.lit_from_behind && has_back(spot, pixel);
       spots.push_back(spot);
     } else {
       merge(spots[i].extent, spot.extent);
@@ -261,6 +266,17 @@ class TileLearner {
     spot.piece = geometry_.piece_at(tracer_.scene(), *point);
   }
 
+  /// Whether a ray from the spot into its surface, as a light from behind would have it, soon
+  /// meets its piece again.
+  bool has_back(const Spot& spot, double pixel) const {
+    if (spot.piece == no_piece) return false;
+    const vec3 normal(spot.plane_normal);
+    const Ray ray = make_shadow_ray(vec3(spot.anchor), &normal, static_cast<float>(spot.bias),
+                                    -normal, static_cast<float>(body_px * pixel));
+    const std::optional<SurfacePoint> point = tracer_.intersect(ray);
+    return point && geometry_.piece_at(tracer_.scene(), *point) == spot.piece;
+  }
+
   void write(const Spot& spot) {
     const bool on_surface = spot.plane_normal != dvec3(0);
     std::array<double, 6> covariance = spot.extent.covariance;
@@ -287,6 +303,7 @@ class TileLearner {
     learned.margin = on_surface ? surface_margin : 0.0f;
     learned.piece = spot.piece != no_piece ? piece_tag(spot.piece) : -1.0f;
     learned.lit_from_behind = spot.lit_from_behind ? 1 : 0;
+    learned.has_back = spot.has_back ? 1 : 0;
   }
 
   const Tracer& tracer_;

@@ -51,6 +51,7 @@ ReceiverState find_state(const LearnedReceivers& receivers, const LightViews& li
     if (receiver.lit_from_behind == 0 && !is_facing) return ReceiverState::unlit;
     // Its own surface hides it, as it does from a ray that starts on the side of `normal`.
     if (is_facing != faces(receiver.plane, to_light)) return ReceiverState::hidden;
+    if (!is_facing && receiver.has_back != 0) return ReceiverState::hidden;
   }
   constexpr double near = static_cast<double>(near_footprint);
   const bool is_near =

@@ -60,7 +60,7 @@ struct ReceiverTree {
 /// What becomes of a receiver under a light.
 enum class ReceiverState : uint8_t {
   unlit,    ///< the light cannot light it: visibility 1, no work
-  hidden,   ///< by its own surface, which turns away though its normal does not: 0
+  hidden,   ///< by its own surface, which turns away though its normal does not, or its body: 0
   covered,  ///< in the tree
   near,     ///< so near that the light sees its footprint from all sides: rays
 };

@@ -31,7 +31,7 @@ struct ThinChunk {
 
 /// A coarser form of a shape of triangles: the same pieces in the same order.
 struct ThinLevel {
-  std::vector<float> error;  ///< local, per chunk: how far its surface lies from the shape's
+  std::vector<float> error;  ///< local, per piece: how far its surface lies from the shape's
   std::vector<vec4> vertices;
   std::vector<uvec3> triangles;
   std::vector<float> opacity;  ///< above 1 where area was lost

@@ -15,7 +15,8 @@ constexpr double level_part = 0.6;
 constexpr int most_levels = 6;
 /// A triangle's normal may turn to this cosine.
 constexpr double least_turn_cosine = 0.3;
-constexpr double most_opacity_gain = 2;
+/// A piece keeps this part of its area, or more; its opacity makes up for the rest.
+constexpr double least_area_part = 0.7;
 /// Larger pieces stay as they are: the time it takes grows with their square.
 constexpr uint32_t most_piece_triangles = 512;
 
@@ -57,8 +58,10 @@ class PieceSimplifier {
       const float opacity = shape.opacity.empty() ? 1.0f : shape.opacity[i];
       const Triangle triangle{uvec3(welded[t.x], welded[t.y], welded[t.z])};
       covered_ += area_of(triangle) * static_cast<double>(opacity);
+      area_ += area_of(triangle);
       if (!is_degenerate(triangle)) triangles_.push_back(triangle);
     }
+    least_area_ = least_area_part * area_;
     moved_.assign(points_.size(), 0.0);
     triangles_of_.resize(points_.size());
     border_of_.resize(points_.size());
@@ -86,6 +89,8 @@ class PieceSimplifier {
     }
     std::erase_if(triangles_, [this](const Triangle& t) { return is_degenerate(t); });
     moved_[best.to] = std::max(moved_[best.to], best.cost);
+    area_ = 0;
+    for (const Triangle& triangle : triangles_) area_ += area_of(triangle);
     error_ = std::max(error_, best.cost);
     return true;
   }
@@ -94,7 +99,6 @@ class PieceSimplifier {
     ThinPiece piece{static_cast<uint32_t>(level.vertices.size()), 0,
                     static_cast<uint32_t>(level.triangles.size()),
                     static_cast<uint32_t>(triangles_.size()), is_sheet};
-    double area = 0;
     std::unordered_map<uint32_t, uint32_t> index_of;
     for (const Triangle& triangle : triangles_) {
       uvec3 corners;
@@ -105,9 +109,8 @@ class PieceSimplifier {
         corners[i] = place->second;
       }
       level.triangles.push_back(corners);
-      area += area_of(triangle);
     }
-    const double gain = area > 0 ? std::min(covered_ / area, most_opacity_gain) : 0;
+    const double gain = area_ > 0 ? covered_ / area_ : 0;
     level.opacity.resize(level.triangles.size(), static_cast<float>(gain));
     piece.vertex_count = static_cast<uint32_t>(level.vertices.size()) - piece.first_vertex;
     level.pieces.push_back(piece);
@@ -168,12 +171,12 @@ class PieceSimplifier {
     }
     if (best.is_found && cost + moved_[from] >= best.cost) return;
     double nearest = std::numeric_limits<double>::infinity();
+    double area = area_;
     for (const uint32_t i : triangles_of_[from]) {
-      Triangle moved = triangles_[i];
-      for (int c = 0; c < 3; ++c) {
-        if (moved.corner[c] == from) moved.corner[c] = to;
-      }
+      const Triangle moved = moved_triangle(i, from, to);
+      area -= area_of(triangles_[i]);
       if (is_degenerate(moved)) continue;
+      area += area_of(moved);
       const dvec3 before = normal_of(triangles_[i]);
       const dvec3 after = normal_of(moved);
       if (!(glm::dot(before, after) >
@@ -185,8 +188,46 @@ class PieceSimplifier {
                                                  points_[moved.corner.y], points_[moved.corner.z]));
     }
     if (nearest == std::numeric_limits<double>::infinity()) return;  // a corner, or the last one
+    if (area < least_area_) return;
     cost = std::max(cost, nearest) + moved_[from];
+    if (best.is_found && cost >= best.cost) return;
+    cost = std::max(cost, filled_gap(from, to) + moved_[from]);
     if (!best.is_found || cost < best.cost) best = {true, from, to, cost};
+  }
+
+  Triangle moved_triangle(uint32_t triangle, uint32_t from, uint32_t to) const {
+    Triangle moved = triangles_[triangle];
+    for (int c = 0; c < 3; ++c) {
+      if (moved.corner[c] == from) moved.corner[c] = to;
+    }
+    return moved;
+  }
+
+  /// How far the triangles of `from`, moved to `to`, lie from those as they are: they may span
+  /// what was open, a bay in the rim of a leaf that has two faces.
+  double filled_gap(uint32_t from, uint32_t to) const {
+    double gap = 0;
+    for (const uint32_t i : triangles_of_[from]) {
+      const Triangle moved = moved_triangle(i, from, to);
+      if (is_degenerate(moved)) continue;
+      const dvec3 a = points_[moved.corner.x];
+      const dvec3 b = points_[moved.corner.y];
+      const dvec3 c = points_[moved.corner.z];
+      for (const dvec3& p : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0}) {
+        gap = std::max(gap, distance_to_ring(p, from));
+      }
+    }
+    return gap;
+  }
+
+  double distance_to_ring(dvec3 p, uint32_t vertex) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const uint32_t i : triangles_of_[vertex]) {
+      const uvec3 t = triangles_[i].corner;
+      nearest =
+          std::min(nearest, distance_to_triangle(p, points_[t.x], points_[t.y], points_[t.z]));
+    }
+    return nearest;
   }
 
   std::vector<std::vector<uint32_t>> triangles_of_;
@@ -194,7 +235,9 @@ class PieceSimplifier {
   std::vector<dvec3> points_;
   std::vector<Triangle> triangles_;
   std::vector<double> moved_;  ///< per vertex: how far what went into it lies from it all
-  double covered_ = 0;         ///< area, cut-outs left out
+  double area_ = 0;
+  double least_area_ = 0;
+  double covered_ = 0;  ///< area at first, cut-outs left out
   double error_ = 0;
 };
 
@@ -216,13 +259,9 @@ std::vector<ThinLevel> make_levels(const ThinShape& shape) {
       }
     });
     ThinLevel level;
-    for (const ThinChunk& chunk : shape.chunks) {
-      double error = 0;
-      for (uint32_t p = chunk.first_piece; p < chunk.first_piece + chunk.piece_count; ++p) {
-        pieces[p]->append(level, shape.pieces[p].is_sheet);
-        error = std::max(error, pieces[p]->error());
-      }
-      level.error.push_back(static_cast<float>(error));
+    for (size_t p = 0; p < pieces.size(); ++p) {
+      pieces[p]->append(level, shape.pieces[p].is_sheet);
+      level.error.push_back(static_cast<float>(pieces[p]->error()));
     }
     if (static_cast<double>(level.triangles.size()) > 0.8 * static_cast<double>(last)) break;
     last = level.triangles.size();

@@ -448,16 +448,11 @@ class ChunkProjector {
 
 namespace {
 
-/// The coarsest level that is nowhere farther off than a part of the smallest footprint.
-void choose_level(const ThinShape& shape, float scale, float w, float size_low,
-                  ProjectionWork& work) {
-  if (!(w > 0)) return;
-  for (uint32_t l = 0; l < shape.levels.size(); ++l) {
-    const float off = shape.levels[l].error[work.chunk] * scale / w;
-    if (!(off <= level_error_part * size_low)) return;
-    work.level = l + 1;
-    work.slack = off * std::max(1.0f, 1 / w);
-  }
+/// Coarser forms may lie off by a part of the smallest footprint.
+void allow_error(float scale, float w, float size_low, ProjectionWork& work) {
+  if (!(w > 0) || !(scale > 0)) return;
+  work.most_error = level_error_part * size_low * w / scale;
+  work.slack = scale / w * std::max(1.0f, 1 / w);
 }
 
 }  // namespace
@@ -486,7 +481,7 @@ std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
           const auto reach = projector.find_reach(shape.chunks[c].bounds);
           if (!reach.is_any) continue;
           work.depth = reach.depth;
-          choose_level(shape, view.radius_scale, reach.w, reach.size_low, work);
+          allow_error(view.radius_scale, reach.w, reach.size_low, work);
           found[i / part_instances].push_back(work);
         }
       }
@@ -500,27 +495,35 @@ std::vector<ProjectionWork> list_projection_work(const ThinGeometry& geometry,
 
 namespace {
 
-/// Hands the pieces of a chunk, of a shape or one of its levels, to the projector.
-template <class Shape>
-void project_pieces(const Shape& shape, const ThinChunk& chunk, uint32_t first_number,
-                    bool is_strands, float slack, ChunkProjector& projector) {
-  for (uint32_t p = chunk.first_piece; p < chunk.first_piece + chunk.piece_count; ++p) {
-    const ThinPiece& piece = shape.pieces[p];
-    const uint32_t number = first_number + p;
-    if (!projector.project_piece(&shape.vertices[piece.first_vertex], piece.vertex_count)) continue;
-    if (is_strands) {
-      for (uint32_t v = 0; v + 1 < piece.vertex_count; ++v) {
-        projector.add_segment(v, v + 1, shape.vertices[piece.first_vertex + v].w,
-                              shape.vertices[piece.first_vertex + v + 1].w, number);
-      }
-      continue;
-    }
-    for (uint32_t i = piece.first_triangle; i < piece.first_triangle + piece.triangle_count; ++i) {
-      const uvec3 t = shape.triangles[i] - piece.first_vertex;
-      projector.add_triangle(t.x, t.y, t.z, shape.opacity.empty() ? 1.0f : shape.opacity[i], number,
-                             piece.is_sheet, slack);
-    }
+void project_strand(const ThinShape& shape, const ThinPiece& piece, uint32_t number,
+                    ChunkProjector& projector) {
+  const vec4* points = &shape.vertices[piece.first_vertex];
+  if (!projector.project_piece(points, piece.vertex_count)) return;
+  for (uint32_t v = 0; v + 1 < piece.vertex_count; ++v) {
+    projector.add_segment(v, v + 1, points[v].w, points[v + 1].w, number);
   }
+}
+
+/// `shape`: a ThinShape or a ThinLevel.
+template <class Shape>
+void project_leaf(const Shape& shape, const ThinPiece& piece, uint32_t number, float slack,
+                  ChunkProjector& projector) {
+  if (!projector.project_piece(&shape.vertices[piece.first_vertex], piece.vertex_count)) return;
+  for (uint32_t i = piece.first_triangle; i < piece.first_triangle + piece.triangle_count; ++i) {
+    const uvec3 t = shape.triangles[i] - piece.first_vertex;
+    projector.add_triangle(t.x, t.y, t.z, shape.opacity.empty() ? 1.0f : shape.opacity[i], number,
+                           piece.is_sheet, slack);
+  }
+}
+
+/// The coarsest form of a piece that lies off by no more than `most_error`, or nothing.
+const ThinLevel* choose_level(const ThinShape& shape, uint32_t piece, float most_error) {
+  const ThinLevel* chosen = nullptr;
+  for (const ThinLevel& level : shape.levels) {
+    if (!(level.error[piece] <= most_error)) break;
+    chosen = &level;
+  }
+  return chosen;
 }
 
 }  // namespace
@@ -535,11 +538,16 @@ void project_chunk(const ThinGeometry& geometry, const LearnedReceivers& receive
       make_shape_view(lights.views[work.view], instance.world_from_local, receivers);
   ChunkProjector projector(tree, tree.views[work.view], view, scratch, out);
   if (!projector.start_chunk(chunk.bounds)) return;
-  if (work.level > 0) {
-    const ThinLevel& level = shape.levels[work.level - 1];
-    project_pieces(level, chunk, instance.first_piece, false, work.slack, projector);
-  } else {
-    project_pieces(shape, chunk, instance.first_piece, shape.is_strands, 0, projector);
+  for (uint32_t p = chunk.first_piece; p < chunk.first_piece + chunk.piece_count; ++p) {
+    const uint32_t number = instance.first_piece + p;
+    if (shape.is_strands) {
+      project_strand(shape, shape.pieces[p], number, projector);
+    } else if (const ThinLevel* level = choose_level(shape, p, work.most_error)) {
+      const float slack = work.slack * level->error[p];
+      project_leaf(*level, level->pieces[p], number, slack, projector);
+    } else {
+      project_leaf(shape, shape.pieces[p], number, 0, projector);
+    }
   }
 }
 

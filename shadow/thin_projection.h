@@ -10,9 +10,9 @@ struct ProjectionWork {
   uint32_t view = 0;
   uint32_t instance = 0;
   uint32_t chunk = 0;
-  uint32_t level = 0;  ///< 0 = the shape itself, l = its level l - 1
-  float depth = 0;     ///< of its nearest corner
-  float slack = 0;     ///< how far a level's surface may lie off in the light's picture
+  float depth = 0;       ///< of its nearest corner
+  float most_error = 0;  ///< local: how far coarser forms may lie off
+  float slack = 0;  ///< how far that is in the light's picture, in depth too, for an error of 1
 };
 
 /// The chunks that may reach a receiver, in each view that has any, near ones first.

@@ -112,6 +112,46 @@ Scene make_blades(int blades = 60) {
   return scene;
 }
 
+/// Leaves as thin as paper that are closed: two bent faces, each of 4 x 1 quads.
+Scene make_leaves_with_two_faces(int leaves = 90) {
+  Scene scene = make_empty_scene(make_camera({0, 3, 5}, {0, 0.2f, 0}, 40), 48, 48);
+  add_floor(scene);
+  const uint32_t leaf = add_material(scene, "leaf");
+  Random random(6, RandomStream::tests, 0);
+  for (int i = 0; i < leaves; ++i) {
+    const vec3 root(random.uniform(-1.2f, 1.2f), random.uniform(0.2f, 0.8f),
+                    random.uniform(-1.2f, 1.2f));
+    const vec3 along = 0.1f * random_direction(random);
+    const vec3 across = 0.05f * random_direction(random);
+    const vec3 out = glm::normalize(glm::cross(along, across));
+    Mesh mesh;
+    for (const float thickness : {0.0f, 0.001f}) {
+      for (uint32_t step = 0; step <= 4; ++step) {
+        const float at = 0.5f * static_cast<float>(step) - 1;
+        const float part = step == 0 || step == 4 ? 0 : thickness;
+        const vec3 middle = root + at * along + (0.02f * (1 - at * at) + part) * out;
+        mesh.positions.push_back(middle - across);
+        mesh.positions.push_back(middle + across);
+      }
+    }
+    for (uint32_t q = 0; q < 8; q += 2) {
+      mesh.triangles.emplace_back(q, q + 1, q + 3);
+      mesh.triangles.emplace_back(q, q + 3, q + 2);
+      mesh.triangles.emplace_back(q + 10, q + 13, q + 11);
+      mesh.triangles.emplace_back(q + 10, q + 12, q + 13);
+    }
+    for (uint32_t q = 0; q < 8; q += 2) {  // the sides
+      mesh.triangles.emplace_back(q, q + 12, q + 10);
+      mesh.triangles.emplace_back(q, q + 2, q + 12);
+      mesh.triangles.emplace_back(q + 1, q + 11, q + 13);
+      mesh.triangles.emplace_back(q + 1, q + 13, q + 3);
+    }
+    mesh.materials.assign(mesh.triangles.size(), leaf);
+    add_shape(scene, mesh);
+  }
+  return scene;
+}
+
 struct NamedLight {
   const char* name;
   Light light;
@@ -169,6 +209,20 @@ TEST(Coverage, BentLeavesWithSmoothNormalsShadeAsRaysDo) {
     const Light light = make_point_light(place);
     EXPECT_NEAR(mean_of(known_visibility(cache, coverage, light)),
                 mean_of(known_visibility(cache, *rays, light)), 0.015)
+        << place.x;
+  }
+}
+
+TEST(Coverage, LeavesWithTwoFacesAreDarkWhereLitFromBehind) {
+  const Scene scene = make_leaves_with_two_faces();
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 16);
+  CoverageVisibility coverage(tracer, cache);
+  const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
+  for (const vec3 place : {vec3(1, 4, 1.5f), vec3(-3, 0.9f, -2), vec3(2, 1, -4), vec3(0, 2, 5)}) {
+    const Light light = make_point_light(place);
+    EXPECT_NEAR(mean_of(known_visibility(cache, coverage, light)),
+                mean_of(known_visibility(cache, *rays, light)), 0.012)
         << place.x;
   }
 }
