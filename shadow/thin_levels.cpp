@@ -65,6 +65,8 @@ class PieceSimplifier {
     moved_.assign(points_.size(), 0.0);
     triangles_of_.resize(points_.size());
     border_of_.resize(points_.size());
+    best_of_.resize(points_.size());
+    is_stale_.assign(points_.size(), true);
   }
 
   size_t triangle_count() const { return triangles_.size(); }
@@ -73,15 +75,11 @@ class PieceSimplifier {
   /// Takes one vertex out; false when none can go.
   bool step() {
     find_neighbours();
-    Collapse best;
-    for (const Triangle& triangle : triangles_) {
-      for (int i = 0; i < 3; ++i) {
-        for (const int j : {(i + 1) % 3, (i + 2) % 3}) {
-          consider(triangle.corner[i], triangle.corner[j], best);
-        }
-      }
-    }
+    const Collapse best = find_best();
     if (!best.is_found) return false;
+    for (const uint32_t i : triangles_of_[best.from]) {
+      for (int c = 0; c < 3; ++c) is_stale_[triangles_[i].corner[c]] = true;
+    }
     for (Triangle& triangle : triangles_) {
       for (int i = 0; i < 3; ++i) {
         if (triangle.corner[i] == best.from) triangle.corner[i] = best.to;
@@ -125,6 +123,7 @@ class PieceSimplifier {
     uint32_t from = 0;
     uint32_t to = 0;
     double cost = 0;
+    double area = 0;  ///< by which the piece's grows
   };
 
   static bool is_degenerate(const Triangle& t) {
@@ -160,6 +159,32 @@ class PieceSimplifier {
     }
   }
 
+  /// The cheapest of all. What is known of a vertex stays true while its triangles do.
+  Collapse find_best() {
+    while (true) {
+      Collapse best;
+      for (uint32_t v = 0; v < points_.size(); ++v) {
+        if (is_stale_[v]) update_best_of(v);
+        const Collapse& own = best_of_[v];
+        if (own.is_found && (!best.is_found || own.cost < best.cost)) best = own;
+      }
+      if (!best.is_found || area_ + best.area >= least_area_) return best;
+      is_stale_[best.from] = true;  // another way of it may leave more
+    }
+  }
+
+  void update_best_of(uint32_t vertex) {
+    Collapse& best = best_of_[vertex];
+    best.is_found = false;
+    for (const uint32_t i : triangles_of_[vertex]) {
+      for (int c = 0; c < 3; ++c) {
+        const uint32_t to = triangles_[i].corner[c];
+        if (to != vertex) consider(vertex, to, best);
+      }
+    }
+    is_stale_[vertex] = false;
+  }
+
   /// Keeps the cheaper of `best` and moving `from` to `to`.
   void consider(uint32_t from, uint32_t to, Collapse& best) const {
     const std::vector<uint32_t>& border = border_of_[from];
@@ -171,7 +196,7 @@ class PieceSimplifier {
     }
     if (best.is_found && cost + moved_[from] >= best.cost) return;
     double nearest = std::numeric_limits<double>::infinity();
-    double area = area_;
+    double area = 0;
     for (const uint32_t i : triangles_of_[from]) {
       const Triangle moved = moved_triangle(i, from, to);
       area -= area_of(triangles_[i]);
@@ -188,11 +213,9 @@ class PieceSimplifier {
                                                  points_[moved.corner.y], points_[moved.corner.z]));
     }
     if (nearest == std::numeric_limits<double>::infinity()) return;  // a corner, or the last one
-    if (area < least_area_) return;
-    cost = std::max(cost, nearest) + moved_[from];
-    if (best.is_found && cost >= best.cost) return;
-    cost = std::max(cost, filled_gap(from, to) + moved_[from]);
-    if (!best.is_found || cost < best.cost) best = {true, from, to, cost};
+    if (area_ + area < least_area_) return;
+    cost = filled_gap(from, to, std::max(cost, nearest)) + moved_[from];
+    if (!best.is_found || cost < best.cost) best = {true, from, to, cost, area};
   }
 
   Triangle moved_triangle(uint32_t triangle, uint32_t from, uint32_t to) const {
@@ -203,10 +226,9 @@ class PieceSimplifier {
     return moved;
   }
 
-  /// How far the triangles of `from`, moved to `to`, lie from those as they are: they may span
-  /// what was open, a bay in the rim of a leaf that has two faces.
-  double filled_gap(uint32_t from, uint32_t to) const {
-    double gap = 0;
+  /// How far the triangles of `from`, moved to `to`, lie from those as they are, or `gap` if that
+  /// is more: they may span what was open, a bay in the rim of a leaf that has two faces.
+  double filled_gap(uint32_t from, uint32_t to, double gap) const {
     for (const uint32_t i : triangles_of_[from]) {
       const Triangle moved = moved_triangle(i, from, to);
       if (is_degenerate(moved)) continue;
@@ -214,15 +236,17 @@ class PieceSimplifier {
       const dvec3 b = points_[moved.corner.y];
       const dvec3 c = points_[moved.corner.z];
       for (const dvec3& p : {0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0}) {
-        gap = std::max(gap, distance_to_ring(p, from));
+        gap = std::max(gap, distance_to_ring(p, from, gap));
       }
     }
     return gap;
   }
 
-  double distance_to_ring(dvec3 p, uint32_t vertex) const {
+  /// To the vertex's triangles, exact where it is more than `enough`.
+  double distance_to_ring(dvec3 p, uint32_t vertex, double enough) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const uint32_t i : triangles_of_[vertex]) {
+      if (nearest <= enough) break;
       const uvec3 t = triangles_[i].corner;
       nearest =
           std::min(nearest, distance_to_triangle(p, points_[t.x], points_[t.y], points_[t.z]));
@@ -232,6 +256,8 @@ class PieceSimplifier {
 
   std::vector<std::vector<uint32_t>> triangles_of_;
   std::vector<std::vector<uint32_t>> border_of_;
+  std::vector<Collapse> best_of_;  ///< per vertex
+  std::vector<bool> is_stale_;     ///< per vertex: best_of_ is to be found anew
   std::vector<dvec3> points_;
   std::vector<Triangle> triangles_;
   std::vector<double> moved_;  ///< per vertex: how far what went into it lies from it all
