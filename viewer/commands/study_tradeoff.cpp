@@ -73,7 +73,7 @@ std::vector<CacheFormat> choose_formats(const StudyOptions& options, const Recor
 std::vector<ShadowMethod> choose_shadows(const StudyOptions& options) {
   if (!options.shadows.empty()) return options.shadows;
   using enum ShadowMethod;
-  if (options.quick) return {none, ray, opacity, volume};
+  if (options.quick) return {none, ray, coverage, volume};
   std::vector<ShadowMethod> shadows;
   for (const auto& [shadow, label] : shadow_method_labels) shadows.push_back(shadow);
   return shadows;

@@ -78,10 +78,17 @@ function makeTrace(series) {
 /** Touch screens scroll the page with the finger that would zoom: there zooming is switched on first. */
 const isTouch = matchMedia("(pointer: coarse)").matches;
 
-/** Steps between the labels of a log axis: decades, or 1, 2 and 5 where there are few of them. */
-function logStep(values) {
+/** Labels of a log axis: decades, or 1, 2 and 5 of each where there are few. */
+function logTicks(values) {
   const positive = values.filter((value) => value > 0);
-  return Math.max(...positive) > 1000 * Math.min(...positive) ? 1 : "D2";
+  const low = Math.min(...positive);
+  const high = Math.max(...positive);
+  if (!(high <= 1000 * low)) return { dtick: 1 };
+  const tickvals = [];
+  for (let decade = Math.floor(Math.log10(low)) - 1; decade <= Math.log10(high) + 1; ++decade) {
+    for (const step of [1, 2, 5]) tickvals.push(Number(`${step}e${decade}`));
+  }
+  return { tickmode: "array", tickvals, ticktext: tickvals.map(shortNumber) };
 }
 
 function makeAxis(base, text, isLog, values, ticks) {
@@ -90,7 +97,7 @@ function makeAxis(base, text, isLog, values, ticks) {
   if (typeof values[0] === "string") axis.dtick = 1;  // every name, on phones too
   if (!isLog) return { ...axis, rangemode: "tozero" };
   if (ticks) return { ...axis, type: "log", tickvals: ticks, ticktext: ticks.map(shortNumber) };
-  return { ...axis, type: "log", dtick: logStep(values) };
+  return { ...axis, type: "log", ...logTicks(values) };
 }
 
 /** A plot to zoom into by dragging; a double click shows all again. `ticks`: x values to label on a log axis;
@@ -114,7 +121,10 @@ function plot({ title, x, y, series, logX = false, logY = false, ticks, limits, 
   const tools = [
     button("log", () => {
       const isLog = place.layout.yaxis.type === "log";
-      return { "yaxis.type": isLog ? "linear" : "log", "yaxis.dtick": isLog ? null : logStep(series.flatMap((one) => one.y)), "yaxis.autorange": true };
+      const ticks = isLog ? { tickmode: "auto", dtick: null } : logTicks(series.flatMap((one) => one.y));
+      const change = { "yaxis.type": isLog ? "linear" : "log", "yaxis.autorange": true };
+      for (const [name, value] of Object.entries(ticks)) change[`yaxis.${name}`] = value;
+      return change;
     }),
     button("all", () => (limits && logY && place.layout.yaxis.type === "log"
       ? { "xaxis.autorange": true, "yaxis.range": limits.map(Math.log10) }
