@@ -18,6 +18,11 @@ target_compile_options(relume_options INTERFACE
   # contraction is off so that every instruction set rounds as the source says.
   -fno-math-errno -fno-trapping-math -ffp-contract=off)
 
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  # What GCC needs captured, a vector that is no constant, is one where the kernels are scalar.
+  target_compile_options(relume_options INTERFACE -Wno-unused-lambda-capture)
+endif()
+
 if(RELUME_SANITIZE)
   target_compile_options(relume_options INTERFACE -fsanitize=${RELUME_SANITIZE}
     -fno-omit-frame-pointer -fno-sanitize-recover=all)

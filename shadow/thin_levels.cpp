@@ -85,7 +85,7 @@ class PieceSimplifier {
         if (triangle.corner[i] == best.from) triangle.corner[i] = best.to;
       }
     }
-    std::erase_if(triangles_, [this](const Triangle& t) { return is_degenerate(t); });
+    std::erase_if(triangles_, is_degenerate);
     moved_[best.to] = std::max(moved_[best.to], best.cost);
     area_ = 0;
     for (const Triangle& triangle : triangles_) area_ += area_of(triangle);

@@ -13,6 +13,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/image/exr_header.h"
 #include "core/math/color.h"
 #include "core/scene/io/texture_file.h"
 
@@ -96,6 +97,16 @@ void check_png_complete(const Source& source, std::span<const std::byte> bytes) 
   throw source.unreadable(fmt::format("the PNG file ends early, after {} bytes", bytes.size()));
 }
 
+void check_bytes(const Source& source, std::span<const std::byte> bytes) {
+  check_png_complete(source, bytes);
+  const auto fault = find_exr_fault(bytes, max_size_px);
+  if (fault && fault->is_too_large) {
+    throw limit_error(source.place, fault->what,
+                      fmt::format("the limit is {0} x {0}", max_size_px));
+  }
+  if (fault) throw source.unreadable(fault->what);
+}
+
 /// Opens a file and checks its header; no pixel is read.
 OpenImage open_image(const Source& source) {
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
@@ -104,9 +115,9 @@ OpenImage open_image(const Source& source) {
     if (!std::filesystem::is_regular_file(source.path, code)) {
       throw source.broken("cannot open: there is no such file", "check the path");
     }
-    check_png_complete(source, MappedFile(source.path).bytes());
+    check_bytes(source, MappedFile(source.path).bytes());
   } else {
-    check_png_complete(source, source.bytes);
+    check_bytes(source, source.bytes);
     memory =
         std::make_unique<OIIO::Filesystem::IOMemReader>(source.bytes.data(), source.bytes.size());
   }

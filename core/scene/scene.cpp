@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "core/scene/limits.h"
 
@@ -113,10 +115,10 @@ void Validator::check_material(const Material& material) const {
           "refers to a missing alpha texture", "give an index of the scene's textures");
   require(material.alpha_cutoff >= 0 && material.alpha_cutoff <= 1, field + "/alpha/cutoff",
           "is not within [0, 1]", "0.5 is usual");
-  for (const auto& [name, merge] : material.merges) {
-    const bool known = std::any_of(shader.fields.begin(), shader.fields.end(),
-                                   [&](const SampleField& f) { return f.name == name; });
-    require(known, field + "/merge", fmt::format("\"{}\" is no field of the shader", name),
+  for (const auto& merge : material.merges) {
+    const bool known = std::ranges::any_of(
+        shader.fields, [&](const SampleField& f) { return f.name == merge.first; });
+    require(known, field + "/merge", fmt::format("\"{}\" is no field of the shader", merge.first),
             "name one of its fields");
   }
 }

@@ -366,6 +366,37 @@ TEST_F(ImageIo, HugeSizesFailBeforeAllocation) {
   EXPECT_EQ(error_of([&] { read_image(png); }).kind(), ErrorKind::limit);
 }
 
+TEST_F(ImageIo, ExrHeadersThatLieAreRefusedBeforeAnythingIsTaken) {
+  const Image image = random_image(4, 4, 3, 9);
+  const fs::path path = in_folder("lies.exr");
+  write_exr(path, std::vector<ExrLayer>{{"", {"R", "G", "B"}, &image}});
+  const Bytes exr = read_bytes(path);
+  struct Lie {
+    std::string key;  ///< attribute and type, each ended
+    size_t at;        ///< from the attribute's size on
+    uint32_t word;
+    const char* said;
+  };
+  const Lie lies[] = {
+      {std::string("channels\0chlist\0", 16), 0, 0x60000000, "bytes that are not there"},
+      {std::string("channels\0chlist\0", 16), 0, 0xffffffff, "bytes that are not there"},
+      {std::string("dataWindow\0box2i\0", 17), 0, 123, "box2i 123 bytes"},
+      {std::string("channels\0chlist\0", 16), 4, 0x41414100, "list of channels"},
+      {std::string("dataWindow\0box2i\0", 17), 16, 1 << 13, "too short for its"},
+  };
+  for (const Lie& lie : lies) {
+    Bytes changed = exr;
+    const auto at = std::search(changed.begin(), changed.end(), lie.key.begin(), lie.key.end());
+    ASSERT_NE(at, changed.end());
+    std::memcpy(&*at + lie.key.size() + lie.at, &lie.word, sizeof(lie.word));
+    write_bytes(path, changed);
+    const Error error = error_of([&] { read_image(path); });
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_NE(std::string_view(error.what()).find(lie.said), std::string_view::npos)
+        << error.what();
+  }
+}
+
 TEST_F(ImageIo, UnwritableFolderIsAnOutputError) {
   const fs::path path = in_folder("missing") / "a.png";
   const Error error = error_of([&] { write_png(path, {1, 1, 3, {1, 2, 3}}); });

@@ -1,0 +1,50 @@
+// libFuzzer's entry: RELUME_FUZZ_TARGET names the reader (tests/fuzz/read_targets.h). `./dev fuzz`
+// runs it for each.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "tests/fuzz/read_targets.h"
+
+namespace {
+
+using namespace relume::test;  // NOLINT: the targets
+
+const ReadTarget* target = nullptr;
+std::string path;  // readers take files: one in memory, rewritten for each input
+
+}  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  if (*argc == 2 && std::string_view((*argv)[1]) == "--list") {
+    for (const ReadTarget& one : read_targets()) fmt::print("{}\n", one.name);
+    std::exit(0);
+  }
+  const char* name = std::getenv("RELUME_FUZZ_TARGET");
+  target = find_read_target(name != nullptr ? name : "");
+  if (target == nullptr) {
+    fmt::print(stderr, "RELUME_FUZZ_TARGET is none of:");
+    for (const ReadTarget& one : read_targets()) fmt::print(stderr, " {}", one.name);
+    fmt::print(stderr, "\n");
+    std::exit(2);
+  }
+  path = fmt::format("/dev/shm/relume_fuzz_{}{}", getpid(), target->extension);
+  std::atexit([] { unlink(path.c_str()); });
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const int file = open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600);
+  if (file < 0 || write(file, data, size) != static_cast<ssize_t>(size)) std::abort();
+  close(file);
+  try {
+    read_checked(*target, path);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", target->name, error.what());
+    std::abort();
+  }
+  return 0;
+}

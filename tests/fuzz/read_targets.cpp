@@ -1,0 +1,159 @@
+#include "tests/fuzz/read_targets.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+#include "core/base/error.h"
+#include "core/image/image_io.h"
+#include "core/relight/receivers.h"
+#include "core/samples/relight_cache.h"
+#include "core/scene/channel_map.h"
+#include "core/scene/io/gltf_file.h"
+#include "core/scene/io/hair_file.h"
+#include "core/scene/io/load_scene.h"
+#include "core/scene/io/obj.h"
+#include "core/shade/shaders.h"
+#include "viewer/aovs/aov_reader.h"
+#include "viewer/frames/frame_header.h"
+#include "viewer/session/session_file.h"
+
+namespace relume::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+void read_scene(const fs::path& path) {
+  load_scene(path.string(), shader_table());
+}
+
+void read_lights(const fs::path& path) {
+  parse_lights(text_of(path), path.string());
+}
+
+void read_session(const fs::path& path) {
+  parse_session(text_of(path), path.string());
+}
+
+void read_channel_map(const fs::path& path) {
+  load_channel_map(path.string(), shader_table());
+}
+
+void read_obj(const fs::path& path) {
+  Scene scene;
+  scene.shaders.assign(shader_table().begin(), shader_table().end());
+  ObjOptions options;
+  options.lambert_shader = 0;
+  options.phong_shader = 0;
+  options.leaf_shader = 0;
+  load_obj(path, options, scene);
+}
+
+/// A material library, by an OBJ file that uses it.
+void read_mtl(const fs::path& path) {
+  const fs::path obj = fs::path(path).replace_extension(".obj");
+  write_text(obj, fmt::format("mtllib {}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\n"
+                              "f 1/1 2/1 3/1\n",
+                              path.filename().string()));
+  try {
+    read_obj(obj);
+  } catch (...) {
+    fs::remove(obj);
+    throw;
+  }
+  fs::remove(obj);
+}
+
+void read_hair(const fs::path& path) {
+  load_hair(path, {});
+}
+
+void read_gltf_file(const fs::path& path) {
+  read_gltf(path);
+}
+
+void read_cache(const fs::path& path) {
+  const RelightCache cache = RelightCache::open(path, shader_table());
+  (void)cache.coverage();
+  (void)cache.predicted_error();
+  (void)cache.record_counts();
+  const ViewReceivers view(cache);
+  for (size_t tile = 0; tile < view.tile_count(); ++tile) {
+    view.visit_tile(tile, [](const ReceiverGroup&) {});
+  }
+}
+
+/// Pictures: textures, references, frames to compare.
+void read_picture(const fs::path& path) {
+  (void)read_image_header(path);
+  (void)read_image(path);
+}
+
+void read_frame(const fs::path& path) {
+  (void)read_frame_header(path);
+  (void)read_channel_names(path);
+}
+
+void read_aov(const fs::path& path) {
+  static const ChannelMap map = load_channel_map("relume", shader_table());
+  Camera camera;  // of the seed
+  camera.eye = {0, 2, 6};
+  camera.target = {0, 0.5f, 0};
+  camera.fov_y_deg = 40;
+  AovSamples(path, map, 2, camera);
+}
+
+constexpr ReadTarget targets[] = {
+    {"scene", ".json", read_scene},     {"lights", ".json", read_lights},
+    {"session", ".json", read_session}, {"channels", ".json", read_channel_map},
+    {"obj", ".obj", read_obj},          {"mtl", ".mtl", read_mtl},
+    {"hair", ".hair", read_hair},       {"gltf", ".gltf", read_gltf_file},
+    {"glb", ".glb", read_gltf_file},    {"cache", ".relume", read_cache},
+    {"exr", ".exr", read_picture},      {"png", ".png", read_picture},
+    {"jpeg", ".jpg", read_picture},     {"frame", ".exr", read_frame},
+    {"aov", ".exr", read_aov},
+};
+
+}  // namespace
+
+std::span<const ReadTarget> read_targets() {
+  return targets;
+}
+
+const ReadTarget* find_read_target(std::string_view name) {
+  const auto found = std::ranges::find(targets, name, &ReadTarget::name);
+  return found == std::end(targets) ? nullptr : &*found;
+}
+
+ReadResult read_checked(const ReadTarget& target, const fs::path& path) {
+  try {
+    target.read(path);
+    return ReadResult::accepted;
+  } catch (const Error& error) {
+    const std::string_view message = error.what();
+    if (error.kind() != ErrorKind::input && error.kind() != ErrorKind::limit) {
+      throw std::logic_error(
+          fmt::format("a file ended in exit code {}: {}", error.exit_code(), message));
+    }
+    if (message.empty() || message.size() > 1000 ||
+        std::ranges::any_of(message, [](char c) { return c >= 0 && c < ' '; })) {
+      throw std::logic_error(fmt::format("not one clear line: {}", message));
+    }
+    return ReadResult::refused;
+  } catch (const std::exception& error) {
+    throw std::logic_error(fmt::format("an exception of another kind: {}", error.what()));
+  }
+}
+
+}  // namespace relume::test

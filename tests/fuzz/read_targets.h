@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace relume::test {
+
+/// One of our readers, as hostile files meet it.
+struct ReadTarget {
+  std::string_view name;
+  std::string_view extension;  ///< that its files have, with the dot
+  /// Reads all that the file holds. Throws Error(input) or Error(limit); anything else is a defect.
+  void (*read)(const std::filesystem::path& path);
+};
+
+/// All of them: whatever the program reads from outside has one.
+std::span<const ReadTarget> read_targets();
+
+/// Null when there is none of that name.
+const ReadTarget* find_read_target(std::string_view name);
+
+enum class ReadResult { accepted, refused };
+
+/// Reads `path`. A refusal must be one line that names the file; what is not one, or another
+/// exception, ends in std::logic_error with the message.
+ReadResult read_checked(const ReadTarget& target, const std::filesystem::path& path);
+
+}  // namespace relume::test
