@@ -1,6 +1,7 @@
 #include "core/samples/sample_scene.h"
 
 #include "core/base/check.h"
+#include "core/samples/record_layout.h"
 #include "core/trace/texture_lookup.h"
 
 namespace relume {
@@ -9,11 +10,13 @@ namespace {
 RareEvent dropped_samples("samples dropped: a value was not finite");
 
 ResolvedParameter resolve_parameter(const Material& material, const SampleField& field) {
-  ResolvedParameter resolved{vec3(field.initial), -1, field.name == "diffuse"};
+  ResolvedParameter resolved{vec3(field.initial), -1, field.width == 1 ? 0 : -1,
+                             field.name == "diffuse"};
   for (const MaterialParameter& parameter : material.parameters) {
     if (parameter.name != field.name) continue;
     resolved.value = parameter.value;
     resolved.texture = parameter.texture;
+    if (field.width == 1) resolved.channel = parameter.channel;
   }
   return resolved;
 }
@@ -21,9 +24,9 @@ ResolvedParameter resolve_parameter(const Material& material, const SampleField&
 std::vector<std::vector<ResolvedParameter>> resolve_parameters(const Scene& scene) {
   std::vector<std::vector<ResolvedParameter>> parameters;
   for (const Material& material : scene.materials) {
-    std::vector<ResolvedParameter>& fields = parameters.emplace_back();
-    for (const SampleField& field : scene.shaders[material.shader]->fields) {
-      fields.push_back(resolve_parameter(material, field));
+    std::vector<ResolvedParameter>& resolved = parameters.emplace_back();
+    for (const SampleField& field : material_parameters(*scene.shaders[material.shader])) {
+      resolved.push_back(resolve_parameter(material, field));
     }
   }
   return parameters;
@@ -33,17 +36,35 @@ std::vector<std::vector<ResolvedParameter>> resolve_parameters(const Scene& scen
 /// pow_unit in core/simd/pack.h.
 constexpr float smallest_scalar = 1e-30f;
 
-vec3 material_value(const Scene& scene, const ResolvedParameter& parameter,
-                    const SurfacePoint& point) {
+vec3 parameter_value(const Scene& scene, const ResolvedParameter& parameter,
+                     const SurfacePoint& point) {
   vec3 value = parameter.value;
   if (parameter.texture >= 0) {
-    value *= vec3(lookup_texture(scene.textures[parameter.texture], point.uv));
+    const vec4 texel = lookup_texture(scene.textures[parameter.texture], point.uv);
+    value *= parameter.channel < 0 ? vec3(texel) : vec3(texel[parameter.channel]);
   }
   return parameter.strand_color ? value * point.color_scale : value;
 }
 
-vec3 field_value(const Scene& scene, const SampleField& field, const ResolvedParameter& parameter,
-                 const SurfacePoint& point) {
+/// Values of a shader's fields of FieldSource::material, in their order.
+using MaterialValues = std::array<vec3, max_record_fields>;
+
+MaterialValues material_values(const ViewSampler& view, const ShaderInfo& shader,
+                               const SurfacePoint& point) {
+  const std::vector<ResolvedParameter>& parameters = view.parameters[point.material];
+  MaterialValues values;
+  CHECK_MSG(parameters.size() <= values.size(), "parameters {}", parameters.size());
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    values[i] = parameter_value(*view.scene, parameters[i], point);
+  }
+  if (shader.fields_of_parameters == nullptr) return values;
+  MaterialValues fields;
+  shader.fields_of_parameters(values.data(), fields.data());
+  return fields;
+}
+
+/// `material` is the material's value, where the field has that source.
+vec3 field_value(const SampleField& field, const SurfacePoint& point, vec3 material) {
   switch (field.source) {
     case FieldSource::position:
       return point.position;
@@ -54,9 +75,9 @@ vec3 field_value(const Scene& scene, const SampleField& field, const ResolvedPar
     case FieldSource::tangent:
       return point.tangent;
     case FieldSource::material: {
-      const vec3 value = material_value(scene, parameter, point);
-      const bool is_zero = field.kind == FieldKind::scalar && std::abs(value.x) < smallest_scalar;
-      return is_zero ? vec3(0) : value;
+      const bool is_zero =
+          field.kind == FieldKind::scalar && std::abs(material.x) < smallest_scalar;
+      return is_zero ? vec3(0) : material;
     }
   }
   return vec3(0);
@@ -65,12 +86,14 @@ vec3 field_value(const Scene& scene, const SampleField& field, const ResolvedPar
 /// Appends the sample vector; leaves `rows` as it was and returns false when a value is not finite.
 bool append_sample(const ViewSampler& view, const SampleType& type, const SurfacePoint& point,
                    float weight, TypedRows& rows) {
-  const std::vector<ResolvedParameter>& parameters = view.parameters[point.material];
+  const MaterialValues values = material_values(view, *type.shader, point);
+  size_t next = 0;
   const size_t start = rows.values.size();
   rows.values.resize(start + type.width);
   for (size_t i = 0; i < type.field_count(); ++i) {
     const SampleField& field = type.field(i);
-    const vec3 value = field_value(*view.scene, field, parameters[i], point);
+    const bool is_material = field.source == FieldSource::material;
+    const vec3 value = field_value(field, point, is_material ? values[next++] : vec3(0));
     for (int c = 0; c < field.width; ++c) {
       if (!is_finite(value[c])) {
         rows.values.resize(start);

@@ -6,10 +6,11 @@
 
 namespace relume {
 
-/// A material's value for one field of its type.
+/// A material's value for one of its shader's parameters.
 struct ResolvedParameter {
   vec3 value{0};
   int texture = -1;           ///< index into Scene::textures, multiplies the value, or -1
+  int channel = -1;           ///< of the texture; -1: red, green and blue
   bool strand_color = false;  ///< multiplied by the strand's own colour
 };
 
@@ -23,7 +24,7 @@ struct ViewSampler {
   uint64_t seed;
   int width;                                               ///< pixels
   int height;                                              ///< pixels
-  std::vector<std::vector<ResolvedParameter>> parameters;  ///< per material, per field of its type
+  std::vector<std::vector<ResolvedParameter>> parameters;  ///< per material, as material_parameters
 };
 
 ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int width, int height,

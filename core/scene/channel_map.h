@@ -12,7 +12,7 @@ namespace relume {
 
 /// Where one field of a sample vector comes from: a layer or channel of an image, or a constant.
 struct ChannelSource {
-  std::string field;  ///< of the shader, or "roughness" for its exponent
+  std::string field;  ///< of the shader, or "roughness" for an exponent
   std::string layer;  ///< empty: `constant`
   vec3 constant{0};
 };

@@ -115,6 +115,10 @@ void Validator::check_material(const Material& material) const {
           "refers to a missing alpha texture", "give an index of the scene's textures");
   require(material.alpha_cutoff >= 0 && material.alpha_cutoff <= 1, field + "/alpha/cutoff",
           "is not within [0, 1]", "0.5 is usual");
+  require(material.normal_texture >= -1 && material.normal_texture < texture_count, field,
+          "refers to a missing normal map", "give an index of the scene's textures");
+  require(std::abs(material.normal_scale) <= 1000, field + "/normal_map/scale",
+          "is not within [-1000, 1000]", "1 is usual");
   for (const auto& merge : material.merges) {
     const bool known = std::ranges::any_of(
         shader.fields, [&](const SampleField& f) { return f.name == merge.first; });
@@ -126,13 +130,9 @@ void Validator::check_material(const Material& material) const {
 void Validator::check_parameter(const MaterialParameter& parameter, const ShaderInfo& shader,
                                 const std::string& field) const {
   const std::string at = field + "/" + parameter.name;
-  const SampleField* found = nullptr;
-  for (const SampleField& candidate : shader.fields) {
-    if (candidate.source == FieldSource::material && candidate.name == parameter.name) {
-      found = &candidate;
-    }
-  }
-  require(found != nullptr, at, fmt::format("is no parameter of shader \"{}\"", shader.name),
+  const std::vector<SampleField> known = material_parameters(shader);
+  const auto found = std::ranges::find(known, parameter.name, &SampleField::name);
+  require(found != known.end(), at, fmt::format("is no parameter of shader \"{}\"", shader.name),
           "remove it or choose another shader");
   for (int i = 0; i < found->width; ++i) {
     const float value = parameter.value[i];
@@ -142,6 +142,8 @@ void Validator::check_parameter(const MaterialParameter& parameter, const Shader
   }
   require(parameter.texture >= -1 && parameter.texture < static_cast<int>(scene_.textures.size()),
           at, "refers to a missing texture", "give an index of the scene's textures");
+  require(parameter.channel >= 0 && parameter.channel < 4, at, "has no such channel",
+          "give one within [0, 3]");
 }
 
 void Validator::check_counts() const {
@@ -182,6 +184,9 @@ void Validator::check_mesh(const Mesh& mesh, const std::string& field) const {
   require(mesh.uvs.empty() || mesh.uvs.size() == vertices, field,
           fmt::format("{} texture coordinates for {} vertices", mesh.uvs.size(), vertices),
           "give one a vertex or none");
+  require(mesh.tangents.empty() || mesh.tangents.size() == vertices, field,
+          fmt::format("{} tangents for {} vertices", mesh.tangents.size(), vertices),
+          "give one a vertex or none");
   const auto fail = [&](std::string_view item, size_t i, std::string_view what,
                         std::string_view mend) {
     throw input_error(place(fmt::format("{} {} {}", field, item, i)), what, mend);
@@ -198,6 +203,11 @@ void Validator::check_mesh(const Mesh& mesh, const std::string& field) const {
   for (size_t i = 0; i < mesh.uvs.size(); ++i) {
     if (!is_finite(mesh.uvs[i])) {
       fail("texture coordinate", i, "is not finite", "give finite numbers");
+    }
+  }
+  for (size_t i = 0; i < mesh.tangents.size(); ++i) {
+    if (!is_finite(vec3(mesh.tangents[i])) || std::abs(mesh.tangents[i].w) != 1) {
+      fail("tangent", i, "is not finite or has a sign other than 1 or -1", "mend it");
     }
   }
   check_triangles(mesh, field);

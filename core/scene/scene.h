@@ -26,9 +26,10 @@ struct Texture {
 
 /// The value of one material parameter: a constant, times a texture where one is named.
 struct MaterialParameter {
-  std::string name;  ///< a field of the shader with FieldSource::material
+  std::string name;  ///< one of material_parameters(shader)
   vec3 value{0};     ///< for width 1 only x counts
   int texture = -1;  ///< index into Scene::textures, or -1
+  int channel = 0;   ///< of the texture, for width 1: 0 to 3 for red, green, blue, alpha
 };
 
 /// A surface or strand material: a shader's name and its parameters.
@@ -41,19 +42,26 @@ struct Material {
       -1;  ///< cut-out mask: where its alpha (or luminance) is < alpha_cutoff, no hit
   bool alpha_from_luminance = false;  ///< mask is a grey image (MTL map_d), not an alpha channel
   float alpha_cutoff = 0.5f;
+  /// Tangent-space normals of surfaces as glTF 2.0 sec. 3.9.3 has them (x along u, y along v
+  /// upwards), or -1. Their x and y are times normal_scale.
+  int normal_texture = -1;
+  float normal_scale = 1;
   /// The artist's choice, TR2007-600 sec. 2.1: fields (by name) whose merge category differs from
   /// the shader's default.
   std::vector<std::pair<std::string, Merge>> merges;
 };
 
-/// Triangles. Invariants after load: indices < positions.size(); normals and uvs are empty or
-/// parallel to positions; every value finite; no zero-area triangle.
+/// Triangles. Invariants after load: indices < positions.size(); normals, uvs and
+/// tangents are empty or parallel to positions; every value finite; no zero-area triangle.
 struct Mesh {
   std::vector<vec3> positions;
   std::vector<vec3> normals;  ///< unit, shading
   std::vector<vec2> uvs;
   std::vector<uvec3> triangles;
   std::vector<uint32_t> materials;  ///< per triangle, index into Scene::materials
+  /// For normal maps: unit tangents along u and, in w, the sign of the bitangent
+  /// cross(normal, tangent) along v. Empty: each triangle's own, from its uvs.
+  std::vector<vec4> tangents{};
 };
 
 /// Strands of linear segments. Invariants after load: offsets has strands + 1 ascending entries;

@@ -3,8 +3,10 @@
 #include <array>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/base/label.h"
+#include "core/math/vec.h"
 
 namespace relume {
 
@@ -33,7 +35,7 @@ enum class FieldSource {
   bias,      ///< shadow-ray bias in world units, see core/trace/ray_bias.h
   normal,    ///< shading normal, world space, flipped to face the eye
   tangent,   ///< strand direction, world space
-  material,  ///< the material's parameter of the field's name, times its texture if it has one
+  material,  ///< the material, see material_parameters
 };
 
 /// One field of a sample vector.
@@ -55,7 +57,21 @@ struct ShaderInfo {
   std::string_view name;
   std::span<const SampleField> fields;
   bool two_sided_transmission = false;  ///< lit from behind too
+  /// Where materials give something else than their fields' values: what they give, and how the
+  /// fields of FieldSource::material, in their order, follow from its values.
+  std::span<const SampleField> parameters = {};
+  void (*fields_of_parameters)(const vec3* parameters, vec3* fields) = nullptr;
 };
+
+/// What a material of `shader` may give, by name: a constant, times a texture where one is named.
+inline std::vector<SampleField> material_parameters(const ShaderInfo& shader) {
+  if (!shader.parameters.empty()) return {shader.parameters.begin(), shader.parameters.end()};
+  std::vector<SampleField> parameters;
+  for (const SampleField& field : shader.fields) {
+    if (field.source == FieldSource::material) parameters.push_back(field);
+  }
+  return parameters;
+}
 
 /// The scalar factors of a shader's response that its colours multiply: response = sum over k of
 /// color[k] * value[k].

@@ -79,6 +79,7 @@ LobeEvaluator::LobeEvaluator(std::span<const SampleType> types, const LightSet& 
       }
       if (field.kind == FieldKind::scalar && field.source == FieldSource::material) {
         shape.scalar = type.offsets[f];
+        shape.largest_scalar = field.high;
       }
     }
   }

@@ -42,9 +42,11 @@ class LobeEvaluator {
   /// Number of lobes (colours) of a type, and the first float of lobe k's colour.
   int lobe_count(int type) const { return shapes_[type].lobe_count; }
   int color_offset(int type, int lobe) const { return shapes_[type].colors[lobe]; }
-  /// First float of the type's direction, and of its scalar; -1 where it has none.
+  /// First float of the type's direction, and of its last scalar, which is the width of its
+  /// highlight; -1 where it has none. The largest value of that scalar.
   int direction_offset(int type) const { return shapes_[type].direction; }
   int scalar_offset(int type) const { return shapes_[type].scalar; }
+  float largest_scalar(int type) const { return shapes_[type].largest_scalar; }
   /// True when the sign of the type's direction means nothing (a strand's tangent).
   bool is_axis(int type) const { return shapes_[type].is_axis; }
 
@@ -66,6 +68,7 @@ class LobeEvaluator {
     int colors[max_lobes] = {};
     int direction = -1;
     int scalar = -1;
+    float largest_scalar = 0;
     bool is_axis = false;
   };
 

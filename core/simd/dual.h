@@ -33,6 +33,13 @@ Dual<P> operator*(Dual<P> a, Dual<P> b) {
           fma(a.d2, b.value, a.value * b.d2)};
 }
 template <class P>
+Dual<P> operator/(Dual<P> a, Dual<P> b) {
+  const P inverse = P(1.0f) / b.value;
+  const P ratio = a.value * inverse;
+  return {ratio, (a.d0 - ratio * b.d0) * inverse, (a.d1 - ratio * b.d1) * inverse,
+          (a.d2 - ratio * b.d2) * inverse};
+}
+template <class P>
 Dual<P> fma(Dual<P> a, Dual<P> b, Dual<P> c) {
   return a * b + c;
 }
@@ -52,6 +59,14 @@ Dual<P> sqrt(Dual<P> a) {
   const auto positive = root > P(1e-12f);
   const P slope = select(positive, P(0.5f) / max(root, P(1e-12f)), P(0.0f));
   return {root, a.d0 * slope, a.d1 * slope, a.d2 * slope};
+}
+
+/// As for packs.
+template <class P>
+Dual<P> rsqrt(Dual<P> a) {
+  const P inverse = rsqrt(a.value);
+  const P slope = P(-0.5f) * inverse * inverse * inverse;
+  return {inverse, a.d0 * slope, a.d1 * slope, a.d2 * slope};
 }
 
 /// x^e as for packs; derivatives vanish where the power does.

@@ -11,6 +11,7 @@
 #include "core/base/thread_sanitizer.h"
 #include "core/base/timer.h"
 #include "core/math/frame.h"
+#include "core/trace/normal_map.h"
 #include "core/trace/ray_bias.h"
 #include "core/trace/texture_lookup.h"
 
@@ -146,6 +147,8 @@ struct Tracer::Impl {
   void check_device() const;
   SurfacePoint mesh_point(const Geometry& geometry, const mat4x3& world_from_local,
                           const RTCRayHit& hit, const Ray& ray) const;
+  vec3 shading_normal(const MeshPoint& point, const Material& material,
+                      const mat4x3& world_from_local, vec3 geometric, vec3 wo) const;
   SurfacePoint strand_point(const Geometry& geometry, const mat4x3& world_from_local,
                             const RTCRayHit& hit, const Ray& ray) const;
 };
@@ -317,21 +320,36 @@ SurfacePoint Tracer::Impl::mesh_point(const Geometry& geometry, const mat4x3& wo
   vec3 normal = normalize_or(vec3(glm::cross(dvec3(p1) - dvec3(p0), dvec3(p2) - dvec3(p0))), wo);
   if (glm::dot(normal, wo) < 0) normal = -normal;
   point.geometric_normal = normal;
-  point.shading_normal = normal;
-  if (!mesh.normals.empty()) {
-    const vec3 local = mesh.normals[corner.x] * (1 - u - v) + mesh.normals[corner.y] * u +
-                       mesh.normals[corner.z] * v;
-    vec3 shading = normalize_or(transform_normal(world_from_local, local), normal);
-    if (glm::dot(shading, normal) < 0) shading = -shading;
-    // At silhouettes an interpolated normal may point away from the eye: bend it back to the limit.
-    const float facing = glm::dot(shading, wo);
-    if (facing < 1e-3f) shading = normalize_or(shading + wo * (1e-3f - facing), normal);
-    point.shading_normal = shading;
-  }
   point.tangent = vec3(0);
   point.uv = interpolate_uv(mesh, corner, u, v);
   point.material = mesh.materials[hit.hit.primID];
+  point.shading_normal =
+      shading_normal({mesh, corner, u, v, point.uv}, scene.materials[point.material],
+                     world_from_local, normal, wo);
   return point;
+}
+
+vec3 Tracer::Impl::shading_normal(const MeshPoint& point, const Material& material,
+                                  const mat4x3& world_from_local, vec3 geometric, vec3 wo) const {
+  const Mesh& mesh = point.mesh;
+  if (mesh.normals.empty() && material.normal_texture < 0) return geometric;
+  vec3 normal = geometric;
+  if (!mesh.normals.empty()) {
+    const vec3 local = mesh.normals[point.corner.x] * (1 - point.u - point.v) +
+                       mesh.normals[point.corner.y] * point.u +
+                       mesh.normals[point.corner.z] * point.v;
+    normal = normalize_or(transform_normal(world_from_local, local), geometric);
+  }
+  const bool is_behind = glm::dot(normal, geometric) < 0;
+  if (material.normal_texture >= 0) {
+    normal = map_normal(scene.textures[material.normal_texture], material.normal_scale, point,
+                        world_from_local, normal);
+  }
+  if (is_behind) normal = -normal;
+  // Interpolated or mapped, it may point away from the eye: bend it back to the limit.
+  const float facing = glm::dot(normal, wo);
+  if (facing < 1e-3f) normal = normalize_or(normal + wo * (1e-3f - facing), geometric);
+  return normal;
 }
 
 SurfacePoint Tracer::Impl::strand_point(const Geometry& geometry, const mat4x3& world_from_local,

@@ -70,6 +70,7 @@ SampleTile make_full_tile(const SampleType& type) {
     for (int i = 0; i < records_per_pixel; ++i) {
       append_random_vector(type, random, rows.values);
       if (type.width == 14) rows.values.back() = random.uniform(5, 100);
+      if (type.width == 15) rows.values.back() = random.uniform(0.2f, 0.8f);
       rows.weights.push_back(1.0f / records_per_pixel);
     }
     rows.first.push_back(static_cast<uint32_t>(rows.rows()));

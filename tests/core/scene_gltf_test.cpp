@@ -90,8 +90,6 @@ class GltfFile : public testing::Test {
  protected:
   GltfFile() {
     scene_.shaders.assign(shader_table().begin(), shader_table().end());
-    options_.phong_shader = 1;
-    options_.leaf_shader = 3;
     write_all(folder_.file("quad.bin"), quad_bytes());
   }
 
@@ -119,7 +117,7 @@ class GltfFile : public testing::Test {
 
   TemporaryFolder folder_;
   Scene scene_;
-  GltfOptions options_;
+  MaterialOptions options_;
 };
 
 TEST_F(GltfFile, AQuadComesAsItStands) {
@@ -212,23 +210,75 @@ TEST_F(GltfFile, TextureTransformsMoveTheUvs) {
   EXPECT_EQ(mesh().uvs[2], vec2(2.5f, -3));
 }
 
-TEST_F(GltfFile, MetallicRoughnessBecomesPhong) {
+TEST_F(GltfFile, MetallicRoughnessBecomesGgx) {
   Parts parts;
   parts.primitive = R"("indices": 3, "material": 0)";
-  parts.more = R"(, "materials": [{"name": "plastic", "pbrMetallicRoughness":
+  parts.more =
+      R"(, "materials": [{"name": "plastic", "extensions": {"KHR_materials_ior": {"ior": 2}},
+      "pbrMetallicRoughness":
       {"baseColorFactor": [0.5, 0.25, 1, 1], "metallicFactor": 0, "roughnessFactor": 0.5}}])";
   load(parts);
-  EXPECT_EQ(parameter("diffuse").value, vec3(0.5f, 0.25f, 1));
-  EXPECT_EQ(parameter("specular").value, vec3(0.04f));
-  EXPECT_NEAR(parameter("exponent").value.x, 8, 1e-4f);
-  scene_ = Scene{};
-  scene_.shaders.assign(shader_table().begin(), shader_table().end());
+  EXPECT_EQ(scene_.shaders[scene_.materials[0].shader]->name, "ggx");
+  EXPECT_EQ(parameter("base_color").value, vec3(0.5f, 0.25f, 1));
+  EXPECT_EQ(parameter("metallic").value.x, 0);
+  EXPECT_EQ(parameter("roughness").value.x, 0.5f);
+  EXPECT_NEAR(parameter("reflectance").value.x, 1 / 9.0f, 1e-6f);
   parts.more = R"(, "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1]}}])";
   load(parts);
-  EXPECT_EQ(parameter("diffuse").value, vec3(0)) << "metallic is 1 unless told otherwise";
-  EXPECT_EQ(parameter("specular").value, vec3(1, 0.5f, 0));
+  EXPECT_EQ(parameter("metallic", 1).value.x, 1) << "metallic and rough unless told otherwise";
+  EXPECT_EQ(parameter("roughness", 1).value.x, 1);
+  EXPECT_EQ(parameter("reflectance", 1).value.x, 0.04f);
   options_.leaf_materials = {"plastic"};
   expect_error(parts, "leaf material \"plastic\" is not in it");
+}
+
+TEST_F(GltfFile, TexturesOfSurfaceAndNormalsComeWithTheirChannelsAndTangents) {
+  write_png(folder_.file("map.png"), {2, 2, 4, std::vector<uint8_t>(16, 200)});
+  std::string bytes = quad_bytes();
+  for (int i = 0; i < 4; ++i) {
+    for (const float x : {0.0f, 1.0f, 0.0f, -1.0f}) {
+      bytes.append(reinterpret_cast<const char*>(&x), sizeof(x));
+    }
+  }
+  write_all(folder_.file("quad.bin"), bytes);
+  Parts parts;
+  parts.buffer = R"("uri": "quad.bin", "byteLength": 204)";
+  parts.views += R"(, {"buffer": 0, "byteOffset": 140, "byteLength": 64})";
+  parts.accessors += R"(, {"bufferView": 4, "componentType": 5126, "count": 4, "type": "VEC4"})";
+  parts.attributes += R"(, "TANGENT": 4)";
+  parts.primitive = R"("indices": 3, "material": 0)";
+  const auto materials = [](const std::string& more) {
+    return R"(, "images": [{"uri": "map.png"}], "textures": [{"source": 0}], "materials": [{
+        "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}})" +
+           more + "}]";
+  };
+  parts.more = materials(R"(, "normalTexture": {"index": 0, "scale": 0.5})");
+  load(parts);
+  EXPECT_EQ(parameter("metallic").texture, 0);
+  EXPECT_EQ(parameter("metallic").channel, 2);
+  EXPECT_EQ(parameter("roughness").channel, 1);
+  EXPECT_FALSE(scene_.textures[0].srgb);
+  EXPECT_EQ(scene_.materials[0].normal_texture, 0);
+  EXPECT_EQ(scene_.materials[0].normal_scale, 0.5f);
+  ASSERT_EQ(mesh().tangents.size(), 4u);
+  EXPECT_EQ(mesh().tangents[3], vec4(0, 1, 0, -1));
+  parts.more = materials("");
+  load(parts);
+  EXPECT_TRUE(mesh(1).tangents.empty()) << "nothing asks for them";
+}
+
+TEST_F(GltfFile, TellsWhatOfMaterialsIsLeftOut) {
+  Parts parts;
+  parts.primitive = R"("indices": 3, "material": 0)";
+  parts.more = R"(, "textures": [{}], "materials": [{"emissiveFactor": [0, 1, 0],
+      "occlusionTexture": {"index": 0}, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+      "metallicRoughnessTexture": {"index": 0, "texCoord": 1}}}])";
+  testing::internal::CaptureStderr();
+  load(parts);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            (folder_.file("a b.gltf").string() +
+             ": its materials are read without emission, occlusion, texture coordinates other than "
+             "the first texture's\n"));
 }
 
 TEST_F(GltfFile, MasksCutOutAndOpaqueOnesDoNot) {
@@ -255,7 +305,7 @@ TEST_F(GltfFile, MasksCutOutAndOpaqueOnesDoNot) {
   options_.leaf_materials = {"leaf"};
   load(parts);
   EXPECT_EQ(scene_.materials[2].alpha_cutoff, 0.5f);
-  EXPECT_EQ(scene_.materials[2].shader, options_.leaf_shader);
+  EXPECT_EQ(scene_.shaders[scene_.materials[2].shader]->name, "leaf");
 }
 
 TEST_F(GltfFile, LightsAndCamerasShowTheScene) {
@@ -329,6 +379,15 @@ TEST_F(GltfFile, MistakesAreNamed) {
                "has two parents or is its own");
   expect_error(with([](Parts& p) { p.nodes = R"({"mesh": 0, "scale": [1e300, 1, 1]})"; }),
                "transform is not finite");
+  expect_error(with([](Parts& p) {
+                 p.roots = "0, 0";
+                 p.nodes = R"({"mesh": 0})";
+               }),
+               "has two parents or is its own");
+  expect_error(with([](Parts& p) {
+                 p.nodes = R"({"children": [1]}, {"children": [2]}, {"mesh": 0, "children": [1]})";
+               }),
+               "has two parents or is its own");
   expect_error(with([](Parts& p) { p.primitive = R"("indices": 99)"; }),
                "indices accessor out of bounds");
   expect_error(with([](Parts& p) { p.primitive = R"("indices": 0)"; }), "unexpected type");
@@ -343,6 +402,15 @@ TEST_F(GltfFile, MistakesAreNamed) {
                  p.views.replace(p.views.find("\"byteOffset\": 0"), 15, "\"byteOffset\": 120");
                }),
                "reaches beyond its buffer");
+  expect_error(with([](Parts& p) {
+                 p.accessors.replace(p.accessors.find("\"count\": 6"), 10,
+                                     "\"count\": 4000000000000000000");
+               }),
+               "reaches beyond its buffer");
+  expect_error(with([](Parts& p) { p.buffer = R"("uri": "quad.bin", "byteLength": 4000000000)"; }),
+               "cannot be read");
+  expect_error(with([](Parts& p) { p.views = R"({"buffer": 7, "byteLength": 48})"; }),
+               "cannot be read");
   std::string bytes = quad_bytes();
   bytes[128] = 9;  // an index
   write_all(folder_.file("quad.bin"), bytes);

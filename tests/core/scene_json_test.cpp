@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include "core/image/image_io.h"
 #include "core/math/transform.h"
 #include "core/scene/io/json_geometry.h"
 #include "core/scene/io/json_node.h"
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace relume {
 namespace {
@@ -111,10 +113,39 @@ TEST(SceneJson, NamesTheFieldThatIsWrong) {
   expect_input_error(scene_text("instancing", R"("often")"), "auto, flatten, instance");
 }
 
+TEST(SceneJson, ReadsGgxWithAChannelOfATextureAndANormalMap) {
+  const test::TemporaryFolder folder;
+  write_png(folder.file("map.png"), {2, 2, 4, std::vector<uint8_t>(16, 200)});
+  const std::string text = scene_text("materials", R"([{"name": "clay", "shader": "ggx",
+      "base_color": [0.5, 0.25, 1], "metallic": 1,
+      "roughness": {"texture": "map.png", "channel": "g", "scale": 0.5},
+      "normal_map": {"texture": "map.png", "scale": 2}}])");
+  const Scene scene = parse_scene(text, folder.file("scene.json"), shader_table());
+  const Material& material = scene.materials.at(0);
+  ASSERT_EQ(material.parameters.size(), 3u);
+  EXPECT_EQ(material.parameters[0].value, vec3(0.5f, 0.25f, 1));
+  EXPECT_EQ(material.parameters[2].name, "roughness");
+  EXPECT_EQ(material.parameters[2].channel, 1);
+  EXPECT_EQ(material.parameters[2].value.x, 0.5f);
+  EXPECT_EQ(material.normal_texture, material.parameters[2].texture);
+  EXPECT_EQ(material.normal_scale, 2);
+}
+
 TEST(SceneJson, RejectsMaterialsThatMakeNoSense) {
+  expect_input_error(scene_text("materials", R"([{"name": "a", "shader": "ggx", "diffuse": 1}])"),
+                     "/diffuse: is an unknown key");
+  expect_input_error(scene_text("materials", R"([{"name": "a", "shader": "ggx",
+      "metallic": 1.5}])"),
+                     "/metallic: 1.5 is out of range");
+  expect_input_error(scene_text("materials", R"([{"name": "a", "shader": "kajiya-kay",
+      "normal_map": {"texture": "a.png"}}])"),
+                     "/normal_map: is an unknown key");
+  expect_input_error(scene_text("materials", R"([{"name": "a", "shader": "ggx",
+      "base_color": {"texture": "a.png", "channel": "g"}}])"),
+                     "/channel: is an unknown key");
   expect_input_error(scene_text("materials", R"([{"shader": "lambert"}])"), "lacks \"name\"");
   expect_input_error(scene_text("materials", R"([{"name": "a", "shader": "lambertian"}])"),
-                     "lambert, phong, kajiya-kay, leaf");
+                     "lambert, phong, kajiya-kay, leaf, ggx");
   expect_input_error(scene_text("materials", R"([{"name": "clay", "shader": "lambert"},
       {"name": "clay", "shader": "phong"}])"),
                      "taken by another material");
@@ -150,7 +181,8 @@ TEST(SceneJson, RejectsGeometryThatMakesNoSense) {
                      "/geometry/0/rings: 2 is out of range");
   expect_input_error(geometry(R"({"generator": "sphere", "material": "clay", "prototype": true})"),
                      "places nothing");
-  expect_input_error(geometry(R"({"file": "x.fbx"})"), "give an .obj, .gltf, .glb or .hair file");
+  expect_input_error(geometry(R"({"file": "x.fbx"})"),
+                     "give an .obj, .gltf, .glb or .hair file");
   expect_input_error(geometry(R"({"file": "missing.obj"})"), "folder/missing.obj: cannot open");
   expect_input_error(geometry(R"({"instances_of": "ball", "transforms": []})"),
                      "is no earlier geometry");

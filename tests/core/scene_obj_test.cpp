@@ -18,12 +18,7 @@ const std::string quad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 class ObjFile : public testing::Test {
  protected:
-  ObjFile() {
-    scene_.shaders.assign(shader_table().begin(), shader_table().end());
-    options_.lambert_shader = 0;
-    options_.phong_shader = 1;
-    options_.leaf_shader = 3;
-  }
+  ObjFile() { scene_.shaders.assign(shader_table().begin(), shader_table().end()); }
 
   Mesh load(const std::string& text, const std::string& name = "a b.obj") {
     write_all(folder_.file(name), text);
@@ -47,6 +42,9 @@ class ObjFile : public testing::Test {
     write_png(folder_.file(name), image);
   }
 
+  std::string_view shader_name(const Material& material) const {
+    return scene_.shaders[material.shader]->name;
+  }
   const vec3* parameter(const Material& material, const std::string& name) {
     for (const MaterialParameter& p : material.parameters) {
       if (p.name == name) return &p.value;
@@ -206,11 +204,11 @@ TEST_F(ObjFile, ReadsMaterialsWithSpacesInNames) {
   ASSERT_EQ(scene_.materials.size(), 3u);
   EXPECT_EQ(mesh.materials, (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_EQ(scene_.materials[0].name, "dull red");
-  EXPECT_EQ(scene_.materials[0].shader, options_.lambert_shader);
+  EXPECT_EQ(shader_name(scene_.materials[0]), "lambert");
   EXPECT_EQ(*parameter(scene_.materials[0], "diffuse"), vec3(0.5f, 0.1f, 0.1f));
-  EXPECT_EQ(scene_.materials[1].shader, options_.phong_shader);
+  EXPECT_EQ(shader_name(scene_.materials[1]), "phong");
   EXPECT_EQ(*parameter(scene_.materials[1], "diffuse"), vec3(1, 0.5f, 0));
-  EXPECT_EQ(scene_.materials[2].shader, options_.lambert_shader);
+  EXPECT_EQ(shader_name(scene_.materials[2]), "lambert");
 }
 
 TEST_F(ObjFile, KeepsTheRatioOfPeakToDiffuseOfClassicPhong) {
@@ -232,7 +230,7 @@ TEST_F(ObjFile, MakesLeavesOfTheListedMaterials) {
   options_.leaf_materials = {"leaf"};
   options_.leaf_transmission = 0.5f;
   load("mtllib a.mtl\n" + quad + "usemtl leaf\nf 1 2 3\n");
-  EXPECT_EQ(scene_.materials.at(0).shader, options_.leaf_shader);
+  EXPECT_EQ(shader_name(scene_.materials.at(0)), "leaf");
   EXPECT_EQ(*parameter(scene_.materials[0], "transmit"), vec3(0.1f, 0.3f, 0.05f));
   options_.leaf_materials = {"laef"};
   expect_error("mtllib a.mtl\n" + quad + "usemtl leaf\nf 1 2 3\n", "the file uses: \"leaf\"");

@@ -49,7 +49,8 @@ std::vector<float> random_vector(const SampleType& type, uint64_t index) {
   const float x = random.uniform(-0.8f, 0.8f);
   const vec3 direction = normalize_or(vec3(x, y, 0.9f), vec3(0, 0, 1));
   for (int axis = 0; axis < 3; ++axis) v[4 + axis] = direction[axis];
-  if (type.width > 13) v[13] = random.uniform(2, 30);
+  if (type.width == 14) v[13] = random.uniform(2, 30);
+  if (type.width == 15) v[14] = random.uniform(0.3f, 0.9f);
   return v;
 }
 

@@ -13,13 +13,14 @@ using namespace test;  // NOLINT: light and record builders
 
 constexpr double pi_double = 3.14159265358979323846;
 
-TEST(ShaderTable, NamesFourShadersInOrder) {
+TEST(ShaderTable, NamesItsShadersInOrder) {
   const auto table = shader_table();
-  ASSERT_EQ(table.size(), 4u);
+  ASSERT_EQ(table.size(), 5u);
   EXPECT_EQ(table[0]->name, "lambert");
   EXPECT_EQ(table[1]->name, "phong");
   EXPECT_EQ(table[2]->name, "kajiya-kay");
   EXPECT_EQ(table[3]->name, "leaf");
+  EXPECT_EQ(table[4]->name, "ggx");
   for (const ShaderInfo* shader : table) {
     EXPECT_EQ(shader->fields[position_field].source, FieldSource::position);
     EXPECT_EQ(shader->fields[bias_field].source, FieldSource::bias);

@@ -40,7 +40,7 @@ Pixel make_random_pixel(int rows, uint64_t seed) {
     for (int i = 0; i < rows; ++i) {
       std::vector<float> vector;
       test::append_random_vector(pixel.types[t], random, vector);
-      if (vector.size() == 14) vector[13] = std::min(vector[13], 50.0f);
+      test::widen_highlight(pixel.types[t], vector.data());
       pixel.values[t].insert(pixel.values[t].end(), vector.begin(), vector.end());
     }
   }
@@ -139,7 +139,7 @@ TEST(FitPixel, ScalesResponsesToOrderOneWhateverTheExposure) {
     for (Light& light : lights) light.gain *= gain;
     const Loaded loaded(pixel, lights);
     ASSERT_TRUE(loaded.is_loaded);
-    ASSERT_EQ(loaded.fit.n(), 16);
+    ASSERT_EQ(loaded.fit.n(), 4 * static_cast<int>(pixel.types.size()));
     ASSERT_EQ(loaded.fit.length(), 3u * loaded.training.lights->columns());
     double squares = 0;
     for (size_t x = 0; x < loaded.fit.length(); ++x) {
@@ -156,25 +156,26 @@ TEST(FitPixel, LeavesOutTypesThatAreNotFitted) {
   const Pixel pixel = make_random_pixel(3, 2);
   const TrainingSet training = make_training_set(make_lights(32), pixel.types, eye, 1);
   FitPixel fit(training.evaluator);
-  ASSERT_TRUE(fit.load(pixel.matrices(), 0.1f, {true, false, true, false}));
+  ASSERT_TRUE(fit.load(pixel.matrices(), 0.1f, {true, false, true, false, false}));
   ASSERT_EQ(fit.n(), 6);
   for (int i = 0; i < 6; ++i) {
     EXPECT_EQ(fit.samples[i].type, i < 3 ? 0 : 2);
     EXPECT_EQ(fit.samples[i].vector, pixel.matrices()[i < 3 ? 0 : 2].row(i % 3));
   }
-  EXPECT_FALSE(fit.load(pixel.matrices(), 0.1f, std::vector<bool>(4, false)));
+  EXPECT_FALSE(fit.load(pixel.matrices(), 0.1f, std::vector<bool>(pixel.types.size(), false)));
   EXPECT_EQ(fit.n(), 0);
 }
 
 TEST(FitPixel, UnexplainedEqualsBruteForce) {
   double largest = 0;
   for (uint64_t seed = 0; seed < 20; ++seed) {
-    const Loaded loaded(make_random_pixel(5, seed), make_lights(48));
+    const Pixel pixel = make_random_pixel(5, seed);
+    const Loaded loaded(pixel, make_lights(48));
     ASSERT_TRUE(loaded.is_loaded);
     const FitPixel& fit = loaded.fit;
     const std::vector<float> costs = fit.unexplained(0, 64).values;
     const auto columns = static_cast<size_t>(fit.columns);
-    ASSERT_EQ(costs.size(), 400u);
+    ASSERT_EQ(costs.size(), 25 * pixel.types.size() * pixel.types.size());
     for (int m = 0; m < fit.n(); ++m) {
       ASSERT_EQ(costs[m * fit.n() + m], 0);
       for (int i = 0; i < fit.n(); ++i) {

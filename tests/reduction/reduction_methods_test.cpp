@@ -285,6 +285,7 @@ TEST_P(EveryMethod, SurvivesExtremeExponents) {
     SampleTile tile = random_tile(6);
     for_each_row(tile, [&](float* v, size_t width) {
       if (width == 14) v[13] = exponent;
+      if (width == 15) v[14] = exponent > 0 ? 1 / (1 + exponent) : 0;
     });
     expect_sound_for_all_k(tile);
   }

@@ -29,8 +29,9 @@ void append_random_vector(const SampleType& type, Random& random, std::vector<fl
         break;
       case FieldKind::scalar: {
         const float choice = random.uniform();
-        const float exponent = std::pow(10.0f, random.uniform(-1, 5));
-        value = vec3(choice < 0.1f ? 0.0f : choice < 0.2f ? 1e5f : exponent);
+        const float usual =
+            field.high > 1 ? std::pow(10.0f, random.uniform(-1, 5)) : random.uniform();
+        value = vec3(choice < 0.1f ? 0.0f : choice < 0.2f ? field.high : usual);
         if (field.source == FieldSource::bias) value = vec3(1e-4f);
         break;
       }
@@ -42,6 +43,22 @@ void append_random_vector(const SampleType& type, Random& random, std::vector<fl
       }
     }
     for (int c = 0; c < field.width; ++c) values.push_back(value[c]);
+  }
+}
+
+void widen_highlight(const SampleType& type, float* vector) {
+  for (size_t i = 0; i < type.field_count(); ++i) {
+    float& value = vector[type.offsets[i]];
+    if (type.field(i).name == "exponent") value = std::min(value, 40.0f);
+    if (type.field(i).name == "roughness") value = std::max(value, 0.4f);
+  }
+}
+
+void widen_highlights(std::span<const SampleType> types, SampleTile& tile) {
+  for (size_t t = 0; t < types.size(); ++t) {
+    std::vector<float>& values = tile.types[t].values;
+    for (size_t i = 0; i < values.size(); i += types[t].width)
+      widen_highlight(types[t], &values[i]);
   }
 }
 

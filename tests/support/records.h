@@ -12,9 +12,17 @@ namespace relume::test {
 vec3 random_direction(Random& random);
 
 /// A sample vector of `type`: position in the unit ball, bias 1e-4, unit directions, colours in
-/// [0, 1], exponents log-uniform in [0, 1e5] with exact 0 and 1e5 now and then. Appended to
+/// [0, 1], exponents log-uniform in [0, 1e5], other scalars uniform, with an exact 0 and
+/// their largest value now and then. Appended to
 /// `values`.
 void append_random_vector(const SampleType& type, Random& random, std::vector<float>& values);
+
+/// Widens the highlight of a sample vector to everyday size, for tests of sums: beyond, kernels and
+/// reference differ by more than rounding. Exponents are at most 40, roughness at least 0.4.
+void widen_highlight(const SampleType& type, float* vector);
+
+/// The same for all rows of a tile.
+void widen_highlights(std::span<const SampleType> types, SampleTile& tile);
 
 /// A tile of random vectors: every pixel has 0 to `max_rows` rows of each type, weights sum to 1 or
 /// less. Deterministic in `seed`.

@@ -8,11 +8,9 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/math/color.h"
 #include "core/scene/io/alpha_mask.h"
 #include "core/scene/io/gltf_file.h"
-#include "core/scene/io/json_node.h"
-#include "core/scene/io/load_scene.h"
+#include "core/scene/io/imported_scene.h"
 #include "core/scene/io/smooth_normals.h"
 #include "core/scene/io/texture_file.h"
 #include "core/scene/limits.h"
@@ -23,24 +21,15 @@ namespace {
 RareEvent replaced_normals("glTF normals of zero length replaced");
 RareEvent blended_materials("glTF materials of blended alpha cut out at one half");
 
-constexpr float dielectric_specular = 0.04f;  ///< glTF 2.0, appendix B
-constexpr float max_exponent = 1e5f;
-
-/// Mean of a channel of a texture, [0, 1].
-float mean_of(const Texture& texture, size_t channel) {
-  uint64_t sum = 0;
-  for (size_t i = channel; i < texture.texels.size(); i += 4) sum += texture.texels[i];
-  const double texels = std::max<double>(1, static_cast<double>(texture.texels.size()) / 4);
-  return static_cast<float>(static_cast<double>(sum) / (255 * texels));
-}
-
 /// Adds materials as they are asked for.
 class MaterialMaker {
  public:
-  MaterialMaker(const GltfContent& content, const std::string& file, const GltfOptions& options,
+  MaterialMaker(const GltfContent& content, const std::string& file, const MaterialOptions& options,
                 Scene& scene)
       : content_(content), file_(file), options_(options), scene_(scene) {
-    check_leaf_names();
+    std::vector<std::string> names;
+    for (const GltfMaterial& material : content.materials) names.push_back(material.name);
+    check_leaf_materials(options, names, file);
   }
 
   /// The index in scene.materials of the glTF's material `index`, -1: its default one.
@@ -48,31 +37,21 @@ class MaterialMaker {
     if (options_.material_override >= 0) return static_cast<uint32_t>(options_.material_override);
     const auto [found, is_new] = made_.try_emplace(index, 0);
     if (is_new) {
-      if (scene_.materials.size() >= max_materials) {
-        throw limit_error(file_, "too many materials",
-                          fmt::format("the limit is {}", max_materials));
-      }
       Material material = make(index < 0 ? GltfMaterial{} : content_.materials[index]);
-      found->second = static_cast<uint32_t>(scene_.materials.size());
-      scene_.materials.push_back(std::move(material));
+      found->second = add_material(scene_, std::move(material), file_);
     }
     return found->second;
   }
 
- private:
-  void check_leaf_names() const {
-    std::string known;
-    std::set<std::string> names;
-    for (const GltfMaterial& material : content_.materials) {
-      if (names.insert(material.name).second) known += " \"" + material.name + "\"";
-    }
-    for (const std::string& leaf : options_.leaf_materials) {
-      if (names.contains(leaf)) continue;
-      throw input_error(file_, fmt::format("leaf material \"{}\" is not in it", leaf),
-                        "the file has:" + known);
-    }
+  /// Tells what of the materials in use is left out.
+  void print_note() const {
+    if (left_out_.empty()) return;
+    std::string list;
+    for (const std::string& part : left_out_) list += (list.empty() ? "" : ", ") + part;
+    print_import_note(file_, "its materials are read without " + list);
   }
 
+ private:
   int load(int image, bool srgb, const std::string& material) {
     if (image < 0) return -1;
     const GltfImage& source = content_.images[image];
@@ -83,44 +62,25 @@ class MaterialMaker {
   }
 
   Material make(const GltfMaterial& source) {
-    const auto& leaves = options_.leaf_materials;
-    const bool leaf = std::ranges::find(leaves, source.name) != leaves.end();
     Material material;
     material.name = source.name.empty() ? "default" : source.name;
-    material.shader = leaf ? options_.leaf_shader : options_.phong_shader;
-    if (material.shader < 0) {
-      throw input_error(file_, "the program lacks a shader for its materials",
-                        "add phong and leaf to the shader table");
-    }
     const int texture = load(source.base_image, true, source.name);
     const vec3 base(source.base_color);
-    if (leaf) {
-      material.parameters.push_back({"diffuse", base, texture});
-      material.parameters.push_back({"transmit", base * options_.leaf_transmission, texture});
+    if (is_leaf(options_, source.name)) {
+      make_leaf(scene_, options_, base, texture, file_, material);
     } else {
-      add_glossy(source, base, texture, material);
+      material.shader = find_shader(scene_, "ggx", file_);
+      const int surface = load(source.metal_rough_image, false, source.name);
+      material.parameters = {{"base_color", base, texture},
+                             {"metallic", vec3(source.metallic), surface, 2},
+                             {"reflectance", vec3(source.reflectance)},
+                             {"roughness", vec3(source.roughness), surface, 1}};
     }
+    material.normal_texture = load(source.normal_image, false, source.name);
+    material.normal_scale = source.normal_scale;
     set_alpha(source, texture, material);
+    left_out_.insert(source.left_out.begin(), source.left_out.end());
     return material;
-  }
-
-  void add_glossy(const GltfMaterial& source, vec3 base, int texture, Material& material) {
-    float metallic = source.metallic;
-    float roughness = source.roughness;
-    if (const int image = load(source.metal_rough_image, false, source.name); image >= 0) {
-      roughness *= mean_of(scene_.textures[image], 1);
-      metallic *= mean_of(scene_.textures[image], 2);
-    }
-    material.parameters.push_back({"diffuse", base * (1 - metallic), texture});
-    // Our specular has one texture: the base colour's where metal gives most of it.
-    const bool is_metal = metallic > 0.5f;
-    const vec3 specular =
-        is_metal ? base * metallic : vec3(dielectric_specular) * (1 - metallic) + base * metallic;
-    material.parameters.push_back({"specular", specular, is_metal ? texture : -1});
-    // A GGX lobe of width alpha about the half vector is twice as wide about the mirror direction.
-    const float alpha = std::max(roughness * roughness, 1e-3f);
-    const float exponent = std::min(0.5f / (alpha * alpha), max_exponent);
-    material.parameters.push_back({"exponent", vec3(exponent), -1});
   }
 
   void set_alpha(const GltfMaterial& source, int texture, Material& material) {
@@ -134,9 +94,10 @@ class MaterialMaker {
 
   const GltfContent& content_;
   const std::string& file_;
-  const GltfOptions& options_;
+  const MaterialOptions& options_;
   Scene& scene_;
   std::map<int, uint32_t> made_;
+  std::set<std::string> left_out_;
 };
 
 /// Faces without normals are flat, as glTF asks.
@@ -184,15 +145,12 @@ Mesh make_mesh(const GltfPrimitive& source, uint32_t material) {
     mesh.positions = source.positions;
     mesh.normals = source.normals;
     mesh.uvs = source.uvs;
+    mesh.tangents = source.tangents;
     mesh.triangles = source.triangles;
     mend_normals(mesh);
   }
   mesh.materials.assign(mesh.triangles.size(), material);
   return mesh;
-}
-
-std::string format_vector(vec3 v) {
-  return fmt::format("[{}, {}, {}]", json_number(v.x), json_number(v.y), json_number(v.z));
 }
 
 }  // namespace
@@ -204,7 +162,7 @@ bool is_gltf_path(const std::filesystem::path& path) {
   return extension == ".gltf" || extension == ".glb";
 }
 
-std::vector<Instance> load_gltf(const std::filesystem::path& path, const GltfOptions& options,
+std::vector<Instance> load_gltf(const std::filesystem::path& path, const MaterialOptions& options,
                                 Scene& scene) {
   const std::string file = path.string();
   const GltfContent content = read_gltf(path);
@@ -227,39 +185,24 @@ std::vector<Instance> load_gltf(const std::filesystem::path& path, const GltfOpt
     }
     instances.push_back({found->second, placement.world_from_local});
   }
+  materials.print_note();
   return instances;
 }
 
 std::string gltf_scene_text(const std::filesystem::path& path) {
-  const GltfContent content = read_gltf(path);
-  constexpr int height = 512;
-  int width = height;
-  std::string camera =
-      R"({"fit": true, "direction": [-0.5, -0.35, -0.8], "fov_y_deg": 35, "margin": 1.1})";
+  GltfContent content = read_gltf(path);
+  ImportedView view;
+  view.lights = std::move(content.lights);
   if (!content.cameras.empty()) {
     const GltfCamera& source = content.cameras.front();
+    view.camera = source.camera;
     if (source.aspect > 0) {
-      width = std::clamp(static_cast<int>(std::lround(height * source.aspect)), 1, max_image_side);
+      const auto width =
+          static_cast<int>(std::lround(static_cast<float>(view.height) * source.aspect));
+      view.width = std::clamp(width, 1, max_image_side);
     }
-    camera = fmt::format(R"({{"eye": {}, "target": {}, "up": {}, "fov_y_deg": {}}})",
-                         format_vector(source.camera.eye), format_vector(source.camera.target),
-                         format_vector(source.camera.up), json_number(source.camera.fov_y_deg));
   }
-  std::string lights = R"([
-    {"name": "key", "position": {"relative": [2, 2.5, 1.5]}, "gain_relative": 40},
-    {"name": "fill", "position": {"relative": [-2.5, 1, 2.5]}, "gain_relative": 10},
-    {"name": "rim", "position": {"relative": [-2.5, 1.5, -2]}, "gain_relative": 20}
-  ])";
-  if (!content.lights.empty()) {
-    const std::string list = format_lights(content.lights);
-    const size_t first = list.find('[');
-    lights = list.substr(first, list.rfind(']') + 1 - first);
-  }
-  return fmt::format(
-      "{{\n  \"name\": {},\n  \"image\": {{\"width\": {}, \"height\": {}}},\n  \"camera\": {},\n"
-      "  \"geometry\": [{{\"file\": {}}}],\n  \"lights\": {}\n}}\n",
-      json_quoted(printable(path.stem().string(), max_name_length)), width, height, camera,
-      json_quoted(path.filename().string()), lights);
+  return imported_scene_text(path, view);
 }
 
 }  // namespace relume

@@ -9,7 +9,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/scene/io/json_node.h"
+#include "core/scene/io/gltf_check.h"
 #include "core/scene/limits.h"
 
 namespace relume {
@@ -20,66 +20,7 @@ RareEvent left_out_primitives("glTF primitives of lines or points left out");
 RareEvent collapsed_nodes("glTF nodes that scale to nothing left out");
 
 constexpr uint64_t max_gltf_bytes = uint64_t{2} << 30;
-constexpr uint64_t max_parts = 1'000'000;  ///< of each kind: nodes, meshes, accessors, ...
 constexpr int max_node_depth = 256;
-constexpr std::string_view binary_magic = "glTF";
-constexpr uint32_t json_chunk = 0x4E4F534A;
-constexpr std::array known_extensions = {
-    std::string_view("KHR_lights_punctual"), std::string_view("KHR_materials_ior"),
-    std::string_view("KHR_materials_specular"), std::string_view("KHR_texture_transform"),
-    std::string_view("KHR_mesh_quantization")};
-
-uint32_t read_word(std::span<const std::byte> bytes, size_t at) {
-  uint32_t word = 0;
-  std::memcpy(&word, &bytes[at], sizeof(word));
-  return word;
-}
-
-bool is_binary(std::span<const std::byte> bytes) {
-  return bytes.size() >= 4 && std::memcmp(bytes.data(), binary_magic.data(), 4) == 0;
-}
-
-/// The JSON of either container; sizes are checked.
-std::string_view json_text(std::span<const std::byte> bytes, const std::string& file) {
-  const auto* text = reinterpret_cast<const char*>(bytes.data());
-  if (!is_binary(bytes)) return {text, bytes.size()};
-  if (bytes.size() < 20 || read_word(bytes, 4) != 2 || read_word(bytes, 16) != json_chunk) {
-    throw input_error(file, "is not a version 2 GLB that starts with JSON", "export it again");
-  }
-  const uint64_t length = read_word(bytes, 12);
-  if (read_word(bytes, 8) != bytes.size() || length > bytes.size() - 20) {
-    throw input_error(
-        file, fmt::format("says it has {} bytes, and has {}", read_word(bytes, 8), bytes.size()),
-        "the file is cut short or damaged: copy it again");
-  }
-  return {text + 20, length};
-}
-
-/// Everything that can be told from the JSON alone, before the library sees the file: depth, counts
-/// and required extensions.
-void check_json(std::string_view text, const std::string& file) {
-  const JsonDocument document(std::string(text), file);
-  const JsonNode root = document.root();
-  if (!root.is_object()) throw root.error("is no glTF", "give a glTF 2.0 file");
-  const JsonNode asset = root.get("asset", "give a glTF 2.0 file");
-  const std::string version = asset.get("version", "say \"2.0\"").text(max_name_length);
-  if (!version.starts_with("2.")) {
-    throw asset.error("has version " + version, "only glTF 2 is read: export it again");
-  }
-  if (const auto required = root.find("extensionsRequired")) {
-    for (const JsonNode& item : required->items(max_parts)) {
-      const std::string name = item.text(max_name_length);
-      if (std::ranges::find(known_extensions, name) != known_extensions.end()) continue;
-      throw item.error("the file needs the extension " + name + ", which is not supported",
-                       "export it without that extension");
-    }
-  }
-  for (const char* key : {"accessors", "bufferViews", "buffers", "images", "materials", "meshes",
-                          "nodes", "scenes", "textures", "cameras"}) {
-    if (const auto list = root.find(key)) list->items(max_parts);
-  }
-}
-
 /// Keeps the image's own bytes: decoding is image_io's.
 bool keep_image(tinygltf::Image* image, int /*index*/, std::string* /*error*/,
                 std::string* /*warning*/, int /*width*/, int /*height*/, const unsigned char* bytes,
@@ -120,7 +61,7 @@ tinygltf::Model parse_model(std::span<const std::byte> bytes, const std::filesys
   const std::string folder = path.parent_path().empty() ? "." : path.parent_path().string();
   const auto size = static_cast<unsigned int>(bytes.size());
   const bool ok =
-      is_binary(bytes)
+      is_binary_gltf(bytes)
           ? parser.LoadBinaryFromMemory(&model, &error, &warning,
                                         reinterpret_cast<const unsigned char*>(bytes.data()), size,
                                         folder)
@@ -169,7 +110,8 @@ class Reader {
   }
 
   /// The image of a texture reference, or -1.
-  int image_of(const tinygltf::TextureInfo& info, const std::string& place) const {
+  template <class TextureInfo>
+  int image_of(const TextureInfo& info, const std::string& place) const {
     if (info.index < 0) return -1;
     const tinygltf::Texture& texture = at(model_.textures, info.index, place, "texture");
     if (texture.source < 0) return -1;
@@ -193,11 +135,104 @@ class Reader {
     material.metallic = clamped(pbr.metallicFactor, 0, 1);
     material.roughness = clamped(pbr.roughnessFactor, 0, 1);
     material.metal_rough_image = image_of(pbr.metallicRoughnessTexture, place);
+    material.normal_image = image_of(source.normalTexture, place);
+    material.normal_scale = clamped(source.normalTexture.scale, -1000, 1000);
+    material.reflectance = read_reflectance(source);
+    material.left_out = left_out_of(source);
     material.alpha = source.alphaMode == "MASK"    ? GltfAlpha::mask
                      : source.alphaMode == "BLEND" ? GltfAlpha::blend
                                                    : GltfAlpha::opaque;
     material.alpha_cutoff = clamped(source.alphaCutoff, 0, 1);
     return material;
+  }
+
+  /// KHR_texture_transform: offset + rotation * (scale * uv).
+  struct UvTransform {
+    dvec2 offset{0};
+    dvec2 scale{1};
+    double rotation = 0;
+    int set = 0;
+
+    bool operator==(const UvTransform&) const = default;
+    vec2 apply(dvec2 uv) const {
+      const dvec2 s = scale * uv;
+      const double c = std::cos(rotation);
+      const double n = std::sin(rotation);
+      const dvec2 turned(c * s.x + n * s.y, c * s.y - n * s.x);
+      const dvec2 result = offset + turned;
+      return {result.x, 1 - result.y};  // glTF counts v downwards
+    }
+  };
+
+  static dvec2 pair_of(const tinygltf::Value& value, const char* key, dvec2 fallback) {
+    if (!value.Has(key) || value.Get(key).ArrayLen() != 2) return fallback;
+    const tinygltf::Value& list = value.Get(key);
+    if (!list.Get(0).IsNumber() || !list.Get(1).IsNumber()) return fallback;
+    return {list.Get(0).GetNumberAsDouble(), list.Get(1).GetNumberAsDouble()};
+  }
+
+  template <class TextureInfo>
+  static UvTransform uv_transform(const TextureInfo& info) {
+    UvTransform result;
+    result.set = info.texCoord;
+    const auto found = info.extensions.find("KHR_texture_transform");
+    if (found == info.extensions.end() || !found->second.IsObject()) return result;
+    const tinygltf::Value& value = found->second;
+    result.offset = pair_of(value, "offset", result.offset);
+    result.scale = pair_of(value, "scale", result.scale);
+    if (value.Has("rotation") && value.Get("rotation").IsNumber()) {
+      result.rotation = value.Get("rotation").GetNumberAsDouble();
+    }
+    if (value.Has("texCoord") && value.Get("texCoord").IsInt()) {
+      result.set = value.Get("texCoord").GetNumberAsInt();
+    }
+    return result;
+  }
+
+  /// Of the first texture that the material has.
+  static UvTransform uv_transform(const tinygltf::Material& material) {
+    const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
+    if (pbr.baseColorTexture.index >= 0) return uv_transform(pbr.baseColorTexture);
+    if (pbr.metallicRoughnessTexture.index >= 0) return uv_transform(pbr.metallicRoughnessTexture);
+    return uv_transform(material.normalTexture);
+  }
+
+  static double extension_number(const tinygltf::Material& source, const char* extension,
+                                 const char* key, double fallback) {
+    const auto found = source.extensions.find(extension);
+    if (found == source.extensions.end() || !found->second.Has(key)) return fallback;
+    const tinygltf::Value& value = found->second.Get(key);
+    return value.IsNumber() ? value.GetNumberAsDouble() : fallback;
+  }
+
+  /// F0 of a dielectric: ((ior - 1) / (ior + 1))^2, times the factor of KHR_materials_specular.
+  static float read_reflectance(const tinygltf::Material& source) {
+    const double ior = extension_number(source, "KHR_materials_ior", "ior", 1.5);
+    const double factor = extension_number(source, "KHR_materials_specular", "specularFactor", 1);
+    const double root = (ior - 1) / (ior + 1);
+    return clamped(root * root * factor, 0, 1);
+  }
+
+  /// Texture coordinates are one set a primitive: `info` must ask for those that are read.
+  template <class TextureInfo>
+  bool has_other_uvs(const TextureInfo& info, const UvTransform& read) const {
+    return info.index >= 0 && !(uv_transform(info) == read);
+  }
+
+  std::vector<std::string> left_out_of(const tinygltf::Material& source) const {
+    std::vector<std::string> parts;
+    if (source.occlusionTexture.index >= 0) parts.emplace_back("occlusion");
+    const auto& emission = source.emissiveFactor;
+    if (std::ranges::any_of(emission, [](double c) { return c > 0; })) {
+      parts.emplace_back("emission");
+    }
+    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+    const UvTransform read = uv_transform(source);
+    if (has_other_uvs(pbr.metallicRoughnessTexture, read) ||
+        has_other_uvs(source.normalTexture, read)) {
+      parts.emplace_back("texture coordinates other than the first texture's");
+    }
+    return parts;
   }
 
   /// Elements of an accessor as doubles, `width` each, in [0, 1] or [-1, 1] where normalised.
@@ -288,53 +323,10 @@ class Reader {
     return vectors;
   }
 
-  /// KHR_texture_transform: offset + rotation * (scale * uv).
-  struct UvTransform {
-    dvec2 offset{0};
-    dvec2 scale{1};
-    double rotation = 0;
-    int set = 0;
-
-    vec2 apply(dvec2 uv) const {
-      const dvec2 s = scale * uv;
-      const double c = std::cos(rotation);
-      const double n = std::sin(rotation);
-      const dvec2 turned(c * s.x + n * s.y, c * s.y - n * s.x);
-      const dvec2 result = offset + turned;
-      return {result.x, 1 - result.y};  // glTF counts v downwards
-    }
-  };
-
-  static dvec2 pair_of(const tinygltf::Value& value, const char* key, dvec2 fallback) {
-    if (!value.Has(key) || value.Get(key).ArrayLen() != 2) return fallback;
-    const tinygltf::Value& list = value.Get(key);
-    if (!list.Get(0).IsNumber() || !list.Get(1).IsNumber()) return fallback;
-    return {list.Get(0).GetNumberAsDouble(), list.Get(1).GetNumberAsDouble()};
-  }
-
-  UvTransform uv_transform(int material) const {
-    UvTransform result;
-    if (material < 0) return result;
-    const tinygltf::TextureInfo& info =
-        model_.materials[material].pbrMetallicRoughness.baseColorTexture;
-    result.set = info.texCoord;
-    const auto found = info.extensions.find("KHR_texture_transform");
-    if (found == info.extensions.end() || !found->second.IsObject()) return result;
-    const tinygltf::Value& value = found->second;
-    result.offset = pair_of(value, "offset", result.offset);
-    result.scale = pair_of(value, "scale", result.scale);
-    if (value.Has("rotation") && value.Get("rotation").IsNumber()) {
-      result.rotation = value.Get("rotation").GetNumberAsDouble();
-    }
-    if (value.Has("texCoord") && value.Get("texCoord").IsInt()) {
-      result.set = value.Get("texCoord").GetNumberAsInt();
-    }
-    return result;
-  }
-
   void read_uvs(const tinygltf::Primitive& source, const std::string& place,
                 GltfPrimitive& primitive) const {
-    const UvTransform transform = uv_transform(primitive.material);
+    const UvTransform transform =
+        primitive.material < 0 ? UvTransform{} : uv_transform(model_.materials[primitive.material]);
     const int accessor = attribute(source, fmt::format("TEXCOORD_{}", transform.set));
     if (accessor < 0) return;
     const Elements uvs = elements(accessor, 2, place);
@@ -345,6 +337,25 @@ class Reader {
       if (!is_finite(primitive.uvs[i].x) || !is_finite(primitive.uvs[i].y)) {
         fail(place, fmt::format("the uv of vertex {} is not finite", i));
       }
+    }
+  }
+
+  void read_tangents(const tinygltf::Primitive& source, const std::string& place,
+                     GltfPrimitive& primitive) const {
+    const int accessor = attribute(source, "TANGENT");
+    const bool is_mapped =
+        primitive.material >= 0 && content_.materials[primitive.material].normal_image >= 0;
+    if (accessor < 0 || !is_mapped) return;
+    const Elements tangents = elements(accessor, 4, place);
+    if (tangents.count != primitive.positions.size()) {
+      fail(place, "has not as many tangents as positions");
+    }
+    primitive.tangents.resize(tangents.count);
+    for (size_t i = 0; i < tangents.count; ++i) {
+      const vec3 tangent = tangents.vector(i);
+      if (!is_finite(tangent))
+        fail(place, fmt::format("the tangent of vertex {} is not finite", i));
+      primitive.tangents[i] = vec4(tangent, tangents.value(i, 3) < 0 ? -1 : 1);
     }
   }
 
@@ -417,6 +428,7 @@ class Reader {
         }
       }
       read_uvs(part, place, primitive);
+      read_tangents(part, place, primitive);
       cut_triangles(part, read_indices(part, primitive.positions.size(), place), primitive);
       triangles_ += primitive.triangles.size();
       if (triangles_ > max_triangles) {
@@ -570,7 +582,7 @@ GltfContent read_gltf(const std::filesystem::path& path) {
   if (mapped.bytes().size() > max_gltf_bytes) {
     throw limit_error(file, "is too large", "the limit is 2 GiB");
   }
-  check_json(json_text(mapped.bytes(), file), file);
+  check_gltf(mapped.bytes(), file);
   const tinygltf::Model model = parse_model(mapped.bytes(), path);
   return Reader(model, file).read();
 }

@@ -27,16 +27,22 @@ struct GltfMaterial {
   float metallic = 1;
   float roughness = 1;
   int metal_rough_image = -1;  ///< linear: green roughness, blue metallic
+  float reflectance = 0.04f;   ///< F0 where it is no metal (KHR_materials_ior, _specular)
+  int normal_image = -1;       ///< linear, tangent space
+  float normal_scale = 1;
   GltfAlpha alpha = GltfAlpha::opaque;
   float alpha_cutoff = 0.5f;
+  std::vector<std::string> left_out;  ///< what it says and we lack, in words
 };
 
 /// Triangles under one material. Arrays as in Mesh: normals and uvs are empty or parallel to
-/// positions; uvs are those of the base colour, v upwards.
+/// positions; uvs are those of the first texture of base colour, metallic-roughness and normals, v
+/// upwards.
 struct GltfPrimitive {
   std::vector<vec3> positions;
   std::vector<vec3> normals;  ///< as they stand, of any length
   std::vector<vec2> uvs;
+  std::vector<vec4> tangents;  ///< empty unless the file has them and the material a normal map
   std::vector<uvec3> triangles;
   int material = -1;  ///< -1: the default one
 };
@@ -69,8 +75,8 @@ struct GltfContent {
 
 /// Reads a .gltf or .glb with its buffers and images (Khronos, glTF 2.0). Extensions that the file
 /// requires and we lack are refused by name before anything is decoded. Left out: skins, morph
-/// targets, animation, vertex colours, orthographic cameras; lines and points. Throws Error(input)
-/// or Error(limit) that names the file and the place in it.
+/// targets, animation, vertex colours, occlusion, emission, orthographic cameras; lines and points.
+/// Throws Error(input) or Error(limit) that names the file and the place in it.
 GltfContent read_gltf(const std::filesystem::path& path);
 
 }  // namespace relume

@@ -81,9 +81,10 @@ class ChannelMapReader {
 
   static ChannelSource read_field(const std::string& name, const JsonNode& value,
                                   const ShaderInfo& shader) {
-    const std::string target = name == "roughness" ? "exponent" : name;
-    const auto field = std::find_if(shader.fields.begin(), shader.fields.end(),
-                                    [&](const SampleField& f) { return f.name == target; });
+    auto field = std::ranges::find(shader.fields, std::string_view(name), &SampleField::name);
+    if (field == shader.fields.end() && name == "roughness") {
+      field = std::ranges::find(shader.fields, std::string_view("exponent"), &SampleField::name);
+    }
     if (field == shader.fields.end()) {
       throw value.error(fmt::format("the shader {} has no such field", shader.name),
                         "leave it out");

@@ -23,13 +23,6 @@ std::vector<std::string_view> with_placement_keys(std::initializer_list<std::str
   return keys;
 }
 
-int find_shader(const Scene& scene, std::string_view name) {
-  for (size_t i = 0; i < scene.shaders.size(); ++i) {
-    if (scene.shaders[i]->name == name) return static_cast<int>(i);
-  }
-  return -1;
-}
-
 mat4x3 rotation(int axis, float angle_deg) {
   const float c = std::cos(radians_from_degrees(angle_deg));
   const float s = std::sin(radians_from_degrees(angle_deg));
@@ -96,7 +89,7 @@ class GeometryReader {
     } else if (extension == ".hair") {
       prototype.shapes.emplace_back(read_hair(node, path));
     } else if (is_gltf_path(path)) {
-      place_gltf(node, path);
+      place_scene(node, path, load_gltf);
       return;
     } else {
       throw file.error(fmt::format("\"{}\" is no kind of geometry we read", extension),
@@ -109,31 +102,22 @@ class GeometryReader {
     node.expect_keys(with_placement_keys(
         {"file", "material", "leaf_materials", "leaf_transmission", "smooth_angle_deg"}));
     ObjOptions options;
-    options.lambert_shader = find_shader(scene_, "lambert");
-    options.phong_shader = find_shader(scene_, "phong");
-    options.leaf_shader = find_shader(scene_, "leaf");
+    read_material_options(node, options);
     node.read("smooth_angle_deg", options.smooth_angle_deg, 0, 180);
-    node.read("leaf_transmission", options.leaf_transmission, 0, 1);
-    options.leaf_materials = read_names(node, "leaf_materials");
-    if (const auto material = node.find("material")) {
-      options.material_override = static_cast<int>(materials_.find(*material));
-    }
     return load_obj(path, options, scene_);
   }
 
-  void place_gltf(const JsonNode& node, const std::filesystem::path& path) {
+  using LoadScene = std::vector<Instance> (*)(const std::filesystem::path&, const MaterialOptions&,
+                                              Scene&);
+
+  /// Places a file that is a scene of its own.
+  void place_scene(const JsonNode& node, const std::filesystem::path& path, LoadScene load) {
     node.expect_keys(
         with_placement_keys({"file", "material", "leaf_materials", "leaf_transmission"}));
-    GltfOptions options;
-    options.phong_shader = find_shader(scene_, "phong");
-    options.leaf_shader = find_shader(scene_, "leaf");
-    node.read("leaf_transmission", options.leaf_transmission, 0, 1);
-    options.leaf_materials = read_names(node, "leaf_materials");
-    if (const auto material = node.find("material")) {
-      options.material_override = static_cast<int>(materials_.find(*material));
-    }
+    MaterialOptions options;
+    read_material_options(node, options);
     const size_t first = scene_.prototypes.size();
-    std::vector<Instance> parts = load_gltf(path, options, scene_);
+    std::vector<Instance> parts = load(path, options, scene_);
     const std::string name = entry_name(node, path.stem().string());
     if (scene_.prototypes.size() == first + 1) {
       scene_.prototypes[first].name = name;
@@ -143,6 +127,14 @@ class GeometryReader {
       }
     }
     place_parts(node, name, std::move(parts));
+  }
+
+  void read_material_options(const JsonNode& node, MaterialOptions& options) const {
+    node.read("leaf_transmission", options.leaf_transmission, 0, 1);
+    options.leaf_materials = read_names(node, "leaf_materials");
+    if (const auto material = node.find("material")) {
+      options.material_override = static_cast<int>(materials_.find(*material));
+    }
   }
 
   static std::vector<std::string> read_names(const JsonNode& node, std::string_view key) {

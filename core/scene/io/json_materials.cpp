@@ -20,11 +20,11 @@ class MaterialReader {
     material_.name = node_.get("name", "give each material a \"name\"").text(max_name_length);
     read_shader();
     expect_known_keys();
-    for (const SampleField& field : shader().fields) {
-      if (field.source != FieldSource::material) continue;
+    for (const SampleField& field : material_parameters(shader())) {
       if (const auto value = node_.find(field.name)) read_parameter(*value, field);
     }
     if (const auto alpha = node_.find("alpha")) read_alpha(*alpha);
+    if (const auto map = node_.find("normal_map")) read_normal_map(*map);
     if (const auto merge = node_.find("merge")) read_merges(*merge);
     return material_;
   }
@@ -53,9 +53,9 @@ class MaterialReader {
 
   void expect_known_keys() const {
     std::vector<std::string_view> keys{"name", "shader", "alpha", "merge"};
-    for (const SampleField& field : shader().fields) {
-      if (field.source == FieldSource::material) keys.push_back(field.name);
-    }
+    const auto is_normal = [](const SampleField& f) { return f.source == FieldSource::normal; };
+    if (std::ranges::any_of(shader().fields, is_normal)) keys.emplace_back("normal_map");
+    for (const SampleField& field : material_parameters(shader())) keys.push_back(field.name);
     node_.expect_keys(keys);
   }
 
@@ -73,13 +73,16 @@ class MaterialReader {
     MaterialParameter parameter;
     parameter.name = field.name;
     if (value.is_object()) {
-      value.expect_keys({"texture", "scale", "srgb"});
+      value.expect_keys(field.width == 1
+                            ? std::vector<std::string_view>{"texture", "scale", "srgb", "channel"}
+                            : std::vector<std::string_view>{"texture", "scale", "srgb"});
       // A texture's values lie in [0, 1], so 1 is the natural factor where the range allows it.
       parameter.value = vec3(std::clamp(1.0f, field.low, field.high));
       if (const auto scale = value.find("scale")) parameter.value = read_value(*scale, field);
       bool srgb = field.width == 3 && field.kind == FieldKind::linear;
       value.read("srgb", srgb);
       parameter.texture = read_texture(value, srgb);
+      value.read("channel", parameter.channel, channel_labels);
     } else {
       parameter.value = read_value(value, field);
     }
@@ -98,6 +101,12 @@ class MaterialReader {
     alpha.read("from", material_.alpha_from_luminance, mask_labels);
   }
 
+  void read_normal_map(const JsonNode& map) {
+    map.expect_keys({"texture", "scale"});
+    material_.normal_texture = read_texture(map, false);
+    map.read("scale", material_.normal_scale, -1000, 1000);
+  }
+
   void read_merges(const JsonNode& merges) {
     std::vector<std::string_view> keys;
     for (const SampleField& field : shader().fields) {
@@ -110,6 +119,8 @@ class MaterialReader {
     }
   }
 
+  static constexpr std::array channel_labels = {Label<int>{0, "r"}, Label<int>{1, "g"},
+                                                Label<int>{2, "b"}, Label<int>{3, "a"}};
   static constexpr std::array mask_labels = {
       Label<bool>{false, "alpha"},
       Label<bool>{true, "luminance"},

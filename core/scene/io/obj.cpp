@@ -159,8 +159,8 @@ MtlTable load_mtls(const ObjSummary& summary, const std::filesystem::path& obj_f
   for (const std::string& names : summary.material_files) {
     const auto paths = mtl_paths(obj_file.parent_path(), names);
     if (paths.empty()) {
-      fmt::print(stderr, "{}: material file \"{}\" is missing; grey is used\n", obj_file.string(),
-                 printable(names));
+      print_import_note(obj_file.string(),
+                        fmt::format("material file \"{}\" is missing; grey is used", names));
     }
     for (const std::filesystem::path& path : paths) append_mtl(path, table);
   }

@@ -2,12 +2,10 @@
 
 #include <set>
 
-#include "core/base/error.h"
 #include "core/math/color.h"
 #include "core/scene/io/alpha_mask.h"
 #include "core/scene/io/obj_parts.h"
 #include "core/scene/io/texture_file.h"
-#include "core/scene/limits.h"
 
 namespace relume {
 namespace {
@@ -39,20 +37,17 @@ class MaterialMaker {
     const float exponent = std::clamp(source_.exponent, 0.0f, max_exponent);
     const bool glossy = luminance(specular) > 0 && source_.exponent > 0;
     material_.name = name_.empty() ? "default" : name_;
-    material_.shader =
-        leaf ? options_.leaf_shader : (glossy ? options_.phong_shader : options_.lambert_shader);
-    if (material_.shader < 0) {
-      throw input_error(source_.file, "the program lacks a shader for its materials",
-                        "add lambert, phong and leaf to the shader table");
-    }
     int texture = -1;
     if (!source_.diffuse_texture.empty()) {
       texture = load(source_.diffuse_texture, true, "map_Kd");
     }
-    material_.parameters.push_back({"diffuse", diffuse, texture});
     if (leaf) {
-      material_.parameters.push_back({"transmit", diffuse * options_.leaf_transmission, texture});
-    } else if (glossy) {
+      make_leaf(scene_, options_, diffuse, texture, source_.file, material_);
+    } else {
+      material_.shader = find_shader(scene_, glossy ? "phong" : "lambert", source_.file);
+      material_.parameters.push_back({"diffuse", diffuse, texture});
+    }
+    if (glossy && !leaf) {
       // Classic Phong adds kd (n.l) and ks (r.v)^Ns; ours divides kd by pi and scales the lobe by
       // (Ns + 2) / (2 pi). The ratio of the lobe's peak to the diffuse part stays ks / kd with:
       const vec3 normalised = specular * (2.0f / (exponent + 2.0f));
@@ -92,50 +87,31 @@ class MaterialMaker {
   Material material_;
 };
 
-void check_leaf_names(const ObjContent& content, const std::string& file,
-                      const ObjOptions& options) {
-  const auto& names = content.material_names;
-  for (const std::string& leaf : options.leaf_materials) {
-    if (std::find(names.begin(), names.end(), leaf) != names.end()) continue;
-    std::string known;
-    for (const std::string& name : names) known += name.empty() ? "" : " \"" + name + "\"";
-    throw input_error(file, fmt::format("leaf material \"{}\" is used by no face", leaf),
-                      "the file uses:" + known);
-  }
-}
-
 }  // namespace
 
 std::vector<uint32_t> add_obj_materials(const ObjContent& content, const MtlTable& table,
                                         const std::filesystem::path& obj_file,
                                         const ObjOptions& options, Scene& scene) {
-  check_leaf_names(content, obj_file.string(), options);
+  const std::string file = obj_file.string();
+  check_leaf_materials(options, content.material_names, file);
   const std::set<uint32_t> used(content.face_materials.begin(), content.face_materials.end());
   std::vector<uint32_t> indices(content.material_names.size(), hidden_material);
   std::string missing;
   for (const uint32_t i : used) {
     const std::string& name = content.material_names[i];
     MtlMaterial source;
-    source.file = obj_file.string();
+    source.file = file;
     if (const auto found = table.find(name); found != table.end()) {
       source = found->second;
     } else if (!name.empty()) {
       missing += fmt::format("{}\"{}\"", missing.empty() ? "" : ", ", name);
     }
     if (source.opacity < 0.5f) continue;
-    if (scene.materials.size() >= max_materials) {
-      throw limit_error(obj_file.string(), "too many materials",
-                        fmt::format("the limit is {}", max_materials));
-    }
-    const auto& leaves = options.leaf_materials;
-    const bool leaf = std::find(leaves.begin(), leaves.end(), name) != leaves.end();
-    Material material = MaterialMaker(name, source, options, scene).make(leaf);
-    indices[i] = static_cast<uint32_t>(scene.materials.size());
-    scene.materials.push_back(std::move(material));
+    Material material = MaterialMaker(name, source, options, scene).make(is_leaf(options, name));
+    indices[i] = add_material(scene, std::move(material), file);
   }
   if (!missing.empty()) {
-    fmt::print(stderr, "{}: no MTL file defines {}; grey is used\n", obj_file.string(),
-               printable(missing));
+    print_import_note(file, fmt::format("no MTL file defines {}; grey is used", missing));
   }
   return indices;
 }
