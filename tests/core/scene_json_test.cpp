@@ -182,7 +182,7 @@ TEST(SceneJson, RejectsGeometryThatMakesNoSense) {
   expect_input_error(geometry(R"({"generator": "sphere", "material": "clay", "prototype": true})"),
                      "places nothing");
   expect_input_error(geometry(R"({"file": "x.fbx"})"),
-                     "give an .obj, .gltf, .glb or .hair file");
+                     "give an .obj, .gltf, .glb, .pbrt, .ply or .hair file");
   expect_input_error(geometry(R"({"file": "missing.obj"})"), "folder/missing.obj: cannot open");
   expect_input_error(geometry(R"({"instances_of": "ball", "transforms": []})"),
                      "is no earlier geometry");

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/scene/io/gltf.h"
+#include "core/scene/io/pbrt.h"
 #include "viewer/panels/menu_bar.h"
 #include "viewer/panels/widgets.h"
 
@@ -34,7 +35,7 @@ bool is_offered(Purpose purpose, const fs::path& name) {
   const fs::path type = name.extension();
   if (purpose == Purpose::export_frame) return type == ".exr" || type == ".png";
   if (purpose == Purpose::save) return type == ".json";
-  return type == ".json" || type == ".relume" || is_gltf_path(name);
+  return type == ".json" || type == ".relume" || is_gltf_path(name) || is_pbrt_path(name);
 }
 
 /// Folders first, then files that can be meant, in order of their names.

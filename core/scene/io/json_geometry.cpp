@@ -7,7 +7,10 @@
 #include "core/scene/io/gltf.h"
 #include "core/scene/io/hair_file.h"
 #include "core/scene/io/obj.h"
+#include "core/scene/io/pbrt.h"
+#include "core/scene/io/ply_file.h"
 #include "core/scene/io/scatter.h"
+#include "core/scene/io/shape_collector.h"
 #include "core/scene/limits.h"
 
 namespace relume {
@@ -88,12 +91,17 @@ class GeometryReader {
       prototype.shapes.emplace_back(read_obj(node, path));
     } else if (extension == ".hair") {
       prototype.shapes.emplace_back(read_hair(node, path));
+    } else if (extension == ".ply" || extension == ".PLY") {
+      prototype.shapes = read_ply_shapes(node, path);
     } else if (is_gltf_path(path)) {
       place_scene(node, path, load_gltf);
       return;
+    } else if (is_pbrt_path(path)) {
+      place_scene(node, path, load_pbrt);
+      return;
     } else {
       throw file.error(fmt::format("\"{}\" is no kind of geometry we read", extension),
-                       "give an .obj, .gltf, .glb or .hair file");
+                       "give an .obj, .gltf, .glb, .pbrt, .ply or .hair file");
     }
     place(node, std::move(prototype), path.stem().string());
   }
@@ -105,6 +113,17 @@ class GeometryReader {
     read_material_options(node, options);
     node.read("smooth_angle_deg", options.smooth_angle_deg, 0, 180);
     return load_obj(path, options, scene_);
+  }
+
+  std::vector<std::variant<Mesh, Curves>> read_ply_shapes(const JsonNode& node,
+                                                          const std::filesystem::path& path) {
+    node.expect_keys(with_placement_keys({"file", "material"}));
+    const uint32_t material =
+        materials_.find(node.get("material", "name one of the file's materials"));
+    ShapeCollector shapes;
+    shapes.add(read_ply(path), identity_transform(), material, path.string());
+    if (shapes.empty()) throw node.error("shows no triangle of any area", "check the file");
+    return shapes.take("").shapes;
   }
 
   using LoadScene = std::vector<Instance> (*)(const std::filesystem::path&, const MaterialOptions&,

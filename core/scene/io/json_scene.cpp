@@ -8,6 +8,7 @@
 #include "core/scene/io/json_materials.h"
 #include "core/scene/io/json_node.h"
 #include "core/scene/io/load_scene.h"
+#include "core/scene/io/pbrt.h"
 #include "core/scene/limits.h"
 
 namespace relume {
@@ -181,6 +182,7 @@ Scene load_scene(const std::string& name_or_path, std::span<const ShaderInfo* co
     // The text names the file beside it, as any scene file would.
     return parse_scene(gltf_scene_text(file), file, shaders, progress);
   }
+  if (is_pbrt_path(file)) return parse_scene(pbrt_scene_text(file), file, shaders, progress);
   return parse_scene(read_text_file(file, max_scene_file_bytes), file, shaders, progress);
 }
 
