@@ -40,20 +40,21 @@ double number(const FigureRow& row, const std::string& name) {
 TEST(PortCycles, SumOverTheSlotsOfEachType) {
   const TemporaryFolder folder;
   const RelightCache cache = make_cache();
-  uint64_t slots[4] = {};
+  uint64_t slots[5] = {};
   for (const PackedTile& tile : cache.tiles()) {
     for (int b = 0; b < tile.block_count; ++b) {
-      for (size_t t = 0; t < 4; ++t) slots[t] += cache.block(tile, b).slots[t];
+      for (size_t t = 0; t < 5; ++t) slots[t] += cache.block(tile, b).slots[t];
     }
   }
   const auto path = folder.file("ports");
   std::ofstream(path) << "some model\navx2 lambert exact 0 4 10\navx2 phong exact 0 4 100.5\n"
                          "avx2 kajiya-kay exact 0 4 1000\navx2 leaf exact 0 4 20\navx2 leaf exact "
-                         "1 4 77\navx2 leaf compact 0 4 5000\n";
+                         "1 4 77\navx2 leaf compact 0 4 5000\navx2 ggx exact 0 4 7\n";
   const PortCycles ports(path);
   EXPECT_EQ(ports.model(), "some model");
   const auto count = [&](size_t t) { return static_cast<double>(slots[t]); };
-  const double expected = 10.0 * count(0) + 100.5 * count(1) + 1000.0 * count(2) + 20.0 * count(3);
+  const double expected =
+      10.0 * count(0) + 100.5 * count(1) + 1000.0 * count(2) + 20.0 * count(3) + 7.0 * count(4);
   EXPECT_EQ(ports.frame_cycles(cache, "avx2", 0, 4), expected);
   EXPECT_TRUE(std::isnan(ports.frame_cycles(cache, "avx2", 1, 4)));
   EXPECT_TRUE(std::isnan(ports.frame_cycles(cache, "sse4.2", 0, 4)));
@@ -72,7 +73,8 @@ TEST(BenchFrames, RatiosFollowFromTheTimes) {
   const TemporaryFolder folder;
   const auto path = folder.file("ports");
   std::ofstream(path) << "model\nscalar lambert exact 0 1 1e12\nscalar phong exact 0 1 0\n"
-                         "scalar kajiya-kay exact 0 1 0\nscalar leaf exact 0 1 0\n";
+                         "scalar kajiya-kay exact 0 1 0\nscalar leaf exact 0 1 0\n"
+                         "scalar ggx exact 0 1 0\n";
   const std::vector<FigureRow> rows =
       bench_frames(make_cache(), 2, {1.25, {{1, 2.5}, {4, 5.0}}}, PortCycles(path), 1);
   int frames = 0;
