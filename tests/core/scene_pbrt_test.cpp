@@ -316,7 +316,10 @@ TEST_F(PbrtFile, MistakesNameFileAndLine) {
   expect_error("Translate 1 2 inf", "is no number");
   expect_error("Transform [ 1 2 3 ]", "is no number");
   expect_error("Scale 0 0 0 Camera \"perspective\"", "its transform is singular");
-  expect_error("LookAt 0 0 0  0 0 0  0 1 0", "the transform is not affine and finite");
+  expect_error("LookAt 0 0 0  0 0 0  0 1 0", "a direction is zero");
+  expect_error("LookAt 0 0 0  0 1 0  0 1 0", "a direction is zero");
+  expect_error("Rotate 20 0 0 0", "a direction is zero");
+  expect_error("Transform [ 1 0 0 1  0 1 0 0  0 0 1 0  0 0 0 1 ]", "is not affine and finite");
   expect_error("Shape \"sphere", "does not end");
   expect_error("Shape \"sphere\" \"radius\" 1", "parameter \"radius\" has no type");
   expect_error("Shape \"sphere\" \"float radius\" [ 1", "does not end");

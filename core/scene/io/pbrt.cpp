@@ -17,7 +17,7 @@ namespace {
 
 mat4x3 affine(const dmat4& m) {
   mat4x3 result;
-  for (int column = 0; column < 4; ++column) result[column] = vec3(m[column] / m[3][3]);
+  for (int column = 0; column < 4; ++column) result[column] = vec3(m[column]);
   return result;
 }
 

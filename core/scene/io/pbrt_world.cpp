@@ -28,17 +28,25 @@ dmat4 scaling(dvec3 by) {
   return m;
 }
 
-/// Rodrigues.
+/// Throws where `v` has no direction.
+dvec3 unit(dvec3 v, const PbrtParameters& parameters) {
+  const double length = glm::length(v);
+  if (!(length > 0 && length <= 1e30)) {
+    parameters.fail("a direction is zero or too long", "mend its numbers");
+  }
+  return v / length;
+}
+
+/// About a unit axis (Rodrigues).
 dmat4 rotation(double angle_deg, dvec3 axis) {
   const double angle = angle_deg * 3.14159265358979323846 / 180;
   const double c = std::cos(angle);
   const double s = std::sin(angle);
-  const dvec3 a = glm::normalize(axis);
   dmat4 m(1);
   for (int column = 0; column < 3; ++column) {
-    dvec3 unit(0);
-    unit[static_cast<size_t>(column)] = 1;
-    m[column] = glm::dvec4(unit * c + glm::cross(a, unit) * s + a * glm::dot(a, unit) * (1 - c), 0);
+    dvec3 e(0);
+    e[static_cast<size_t>(column)] = 1;
+    m[column] = glm::dvec4(e * c + glm::cross(axis, e) * s + axis * glm::dot(axis, e) * (1 - c), 0);
   }
   return m;
 }
@@ -50,10 +58,12 @@ dmat4 matrix_of(const std::vector<double>& numbers) {
 }
 
 /// pbrt's camera looks along z, with y up and x = up x z to the right.
-dmat4 camera_from_world(const std::vector<double>& numbers) {
+dmat4 camera_from_world(const PbrtStatement& look_at) {
+  const std::vector<double>& numbers = look_at.numbers;
+  const PbrtParameters& parameters = look_at.parameters;
   const dvec3 eye = vector_at(numbers, 0);
-  const dvec3 z = glm::normalize(vector_at(numbers, 3) - eye);
-  const dvec3 x = glm::normalize(glm::cross(glm::normalize(vector_at(numbers, 6)), z));
+  const dvec3 z = unit(vector_at(numbers, 3) - eye, parameters);
+  const dvec3 x = unit(glm::cross(unit(vector_at(numbers, 6), parameters), z), parameters);
   dmat4 m(1);
   m[0] = glm::dvec4(x, 0);
   m[1] = glm::dvec4(glm::cross(z, x), 0);
@@ -120,9 +130,9 @@ bool PbrtWorld::transform(const PbrtStatement& statement) {
   } else if (name == "Scale") {
     result *= scaling(vector_at(n, 0));
   } else if (name == "Rotate") {
-    result *= rotation(n[0], vector_at(n, 1));
+    result *= rotation(n[0], unit(vector_at(n, 1), statement.parameters));
   } else if (name == "LookAt") {
-    result *= camera_from_world(n);
+    result *= camera_from_world(statement);
   } else if (name == "Transform") {
     result = matrix_of(n);
   } else if (name == "ConcatTransform") {
@@ -146,7 +156,7 @@ bool PbrtWorld::transform(const PbrtStatement& statement) {
   if (!is_sound(result)) {
     statement.parameters.fail("the transform is not affine and finite", "mend its numbers");
   }
-  state_.world_from_local = result;
+  state_.world_from_local = result / result[3][3];
   return true;
 }
 
