@@ -264,6 +264,14 @@ TEST_F(PbrtFile, TexturesColourAndCutOut) {
   ASSERT_GE(scene.materials[0].alpha_texture, 0);
   EXPECT_FALSE(scene.textures[scene.materials[0].alpha_texture].srgb);
   EXPECT_EQ(mesh(scene).uvs.at(1), vec2(1, 0));
+  const Scene opacity = load_shapes(R"(
+      Texture "leaf" "color" "imagemap" "string filename" "leaf.png"
+      Material "uber" "texture opacity" "leaf"
+      )" + triangle + R"(
+      Material "uber" "rgb opacity" [ .1 .1 .1 ]
+      )" + triangle);
+  ASSERT_EQ(mesh(opacity).triangles.size(), 1u) << "the second is not seen";
+  EXPECT_GE(opacity.materials.at(0).alpha_texture, 0);
 }
 
 TEST_F(PbrtFile, TellsOnceWhatIsReadDifferently) {

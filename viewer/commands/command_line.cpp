@@ -86,7 +86,7 @@ void add_prepare(CLI::App& app, PrepareOptions& options) {
   app.add_flag("--predict-error", options.predict_error,
                "store a map of predicted error (light-fit and budgets always do)");
   add_label(app, "--format", options.format, cache_format_labels,
-            "how records are stored: 60, 20 or 16 bytes each; default: exact, or chosen for "
+            "how records are stored: some 60, 20 or 16 bytes each; default: exact, or chosen for "
             "--target-error or a time");
   app.add_option("--training-lights", options.training_lights,
                  "random lights that light metrics are trained on (l)")

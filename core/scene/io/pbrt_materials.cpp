@@ -177,6 +177,18 @@ PbrtLook PbrtMaterials::make_glossy(const std::string& type, const PbrtParameter
   return look;
 }
 
+/// An image of opacity cuts out, one below a half hides: there is no partial transparency.
+void PbrtMaterials::set_opacity(const PbrtParameters& parameters, PbrtLook& look) {
+  if (!parameters.has("opacity")) return;
+  const PbrtColor opacity = color(parameters, "opacity", vec3(1));
+  if (opacity.texture >= 0) {
+    look.mask = opacity.texture;
+  } else if (luminance(opacity.value) < 0.5f) {
+    look.kind = Kind::hidden;
+  }
+  note("opacity of materials is cut off at one half");
+}
+
 PbrtLook PbrtMaterials::make_metal(const std::string& type, const PbrtParameters& parameters) {
   PbrtLook look;
   look.kind = Kind::glossy;
@@ -256,7 +268,7 @@ PbrtLook PbrtMaterials::make_look(const std::string& type, const PbrtParameters&
   } else if (is({"coateddiffuse", "plastic", "substrate", "uber", "disney"})) {
     look = make_glossy(type, parameters);
     note(fmt::format("material \"{}\" is read as ggx", type));
-    if (parameters.has("opacity")) note("opacity of materials is left out");
+    set_opacity(parameters, look);
   } else if (is({"conductor", "metal", "mirror", "coatedconductor"})) {
     look = make_metal(type, parameters);
     note(fmt::format("material \"{}\" is read as ggx", type));
@@ -350,9 +362,9 @@ std::optional<uint32_t> PbrtMaterials::find(int number, bool is_strand, const st
   const auto [found, is_new] = made_.try_emplace({number, is_strand, alpha}, 0);
   if (!is_new) return found->second;
   Material material = is_strand ? make_strand(looks_[number]) : make_surface(looks_[number]);
-  if (const auto mask = textures_.find(alpha); mask != textures_.end() && !is_strand) {
-    if (mask->second.texture >= 0) set_alpha_mask(scene_, mask->second.texture, material);
-  }
+  const auto own = textures_.find(alpha);
+  const int mask = own != textures_.end() ? own->second.texture : looks_[number].mask;
+  if (mask >= 0 && !is_strand) set_alpha_mask(scene_, mask, material);
   found->second = add_material(scene_, std::move(material), file_);
   return found->second;
 }

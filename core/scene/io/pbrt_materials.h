@@ -27,6 +27,7 @@ struct PbrtLook {
   float reflectance = 0.04f;
   float roughness = 0.5f;
   float exponent = 40;  ///< Kind::hair
+  int mask = -1;        ///< texture of its opacity, or -1
 };
 
 /// Textures and materials of a pbrt scene, added to ours as they are asked for. Materials become
@@ -59,6 +60,7 @@ class PbrtMaterials {
  private:
   PbrtLook make_look(const std::string& type, const PbrtParameters& parameters);
   PbrtLook make_glossy(const std::string& type, const PbrtParameters& parameters);
+  void set_opacity(const PbrtParameters& parameters, PbrtLook& look);
   PbrtLook make_metal(const std::string& type, const PbrtParameters& parameters);
   PbrtLook make_leaf_look(const PbrtParameters& parameters, bool is_scaled);
   PbrtLook make_hair(const PbrtParameters& parameters);
