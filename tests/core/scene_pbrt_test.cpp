@@ -96,6 +96,19 @@ TEST_F(PbrtFile, CameraFilmAndLightsShowWhatPbrtShows) {
   EXPECT_EQ(scene.lights[2].direction, vec3(1, 0, 0));
 }
 
+TEST_F(PbrtFile, ColoursComeInEachOfItsForms) {
+  const auto gain = [&](const std::string& color) {
+    const Scene scene = load(view + "LightSource \"point\" " + color + triangle);
+    return scene.lights.at(0).gain * scene.lights[0].color;
+  };
+  EXPECT_EQ(gain(R"("color I" [ 1 2 4 ])"), vec3(1, 2, 4));
+  EXPECT_EQ(gain(R"("spectrum I" [ 400 1  500 3 ])"), vec3(2)) << "the mean";
+  EXPECT_EQ(gain(R"("spectrum I" "stdillum-D65")"), vec3(1));
+  EXPECT_EQ(gain(R"("blackbody I" [ 6500 ])"), vec3(1));
+  EXPECT_EQ(gain(R"("blackbody I" [ 6500 7 ] "rgb scale" [ 1 .5 .5 ])"), vec3(7, 3.5f, 3.5f));
+  EXPECT_EQ(gain(R"("rgb I" [ 0 0 0 ])"), vec3(0));
+}
+
 TEST_F(PbrtFile, ACameraThatFlipsAnAxisLeavesTheWorldAsItIs) {
   const Scene scene = load("Scale -1 1 1\n" + view + triangle);
   EXPECT_EQ(scene.instances.at(0).world_from_local, identity_transform());

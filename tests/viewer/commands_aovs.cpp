@@ -91,6 +91,28 @@ class HairAovs : public Aovs {
   HairAovs() : Aovs("hair") {}
 };
 
+/// A scene of glTF materials.
+class GgxAovs : public Aovs {
+ protected:
+  GgxAovs() : Aovs(RELUME_SOURCE_DIR "/scenes/blender/example/ball.json") {}
+};
+
+TEST(ChannelPresets, RelumesNamesEveryFieldOfEveryShader) {
+  const ChannelMap map = load_channel_map("relume", shader_table());
+  ASSERT_EQ(map.types.size(), shader_table().size());
+  for (size_t i = 0; i < map.types.size(); ++i) {
+    EXPECT_EQ(map.types[i].shader, shader_table()[i]);
+    EXPECT_EQ(map.types[i].id, static_cast<float>(i + 1));
+    EXPECT_EQ(map.types[i].fields.size(), shader_table()[i]->fields.size());
+  }
+}
+
+TEST_F(GgxAovs, GiveThePictureThatTheSceneGives) {
+  const AovSamples samples = read();
+  EXPECT_EQ(picture(nullptr, ReductionMethod::all).pixels,
+            picture(&samples, ReductionMethod::all).pixels);
+}
+
 TEST_F(Aovs, GiveThePictureThatTheSceneGives) {
   const AovSamples samples = read();
   for (const ReductionMethod method : {ReductionMethod::all, ReductionMethod::strong_kmeans}) {

@@ -31,7 +31,10 @@ constexpr std::array<Preset, 4> presets = {{
         {"id": 3, "shader": "kajiya-kay", "fields": {"position": "P", "bias": "bias",
           "tangent": "T", "diffuse": "diffuse", "specular": "specular", "exponent": "exponent"}},
         {"id": 4, "shader": "leaf", "fields": {"position": "P", "bias": "bias", "normal": "N",
-          "diffuse": "diffuse", "transmit": "transmit"}}]})"},
+          "diffuse": "diffuse", "transmit": "transmit"}},
+        {"id": 5, "shader": "ggx", "fields": {"position": "P", "bias": "bias", "normal": "N",
+          "diffuse": "diffuse", "specular": "specular", "reflectance": "reflectance",
+          "roughness": "roughness"}}]})"},
 }};
 
 class ChannelMapReader {

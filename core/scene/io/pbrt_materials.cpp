@@ -59,7 +59,8 @@ std::optional<vec3> pbrt_color(const PbrtParameters& parameters, std::string_vie
   const PbrtParameter* found = parameters.find(name);
   if (found == nullptr || found->type == "texture") return {};
   const std::vector<double>& n = found->numbers;
-  if (found->type == "blackbody" || n.empty()) return vec3(1);
+  if (found->type == "blackbody") return vec3(dvec3(n.size() == 2 ? n[1] : 1.0));
+  if (n.empty()) return vec3(1);
   if (n.size() == 1) return vec3(dvec3(n[0]));
   if (found->type != "spectrum" && n.size() == 3) return vec3(n[0], n[1], n[2]);
   // Pairs of wavelength and value.

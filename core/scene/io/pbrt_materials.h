@@ -83,8 +83,8 @@ class PbrtMaterials {
   std::set<std::string> notes_;
 };
 
-/// A colour given as rgb, as samples of a spectrum (their mean), as a named spectrum or as a black
-/// body (white); nothing where it is missing or a texture.
+/// A colour given as rgb, as samples of a spectrum (their mean), as a named spectrum (white) or as
+/// a black body (white, times pbrt-v3's factor); nothing where it is missing or a texture.
 std::optional<vec3> pbrt_color(const PbrtParameters& parameters, std::string_view name);
 
 }  // namespace relume
