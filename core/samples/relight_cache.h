@@ -131,6 +131,8 @@ class RelightCache {
   int block_count(const PackedTile& tile, PixelShare share) const;
   /// Slots of all tiles and types; a slot is 16 records, missing ones included.
   uint64_t slot_count() const { return slot_count_; }
+  /// The whole cache, as a .relume file holds it.
+  std::span<const std::byte> bytes() const { return bytes_; }
   /// Bytes of the whole cache, header included.
   size_t size_bytes() const { return bytes_.size(); }
   /// XXH3 over all that the file says: equal hashes stand for equal caches.

@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/scene/channel_map.h"
 #include "viewer/commands/commands.h"
+#include "viewer/commands/program_pages.h"
 #include "viewer/commands/study_names.h"
 #include "viewer/commands/version.h"
 
@@ -368,6 +369,44 @@ void add_study(CLI::App& app, Parsed& p) {
       ->check(CLI::Range(0, 1 << 20));
 }
 
+OptionDescription describe(const CLI::Option& option) {
+  const bool has_value = option.get_items_expected_max() > 0;
+  return {.names = option.get_positional() ? std::vector{option.get_name(true)}
+                                           : CLI::detail::split(option.get_name(false, true), ','),
+          .help = option.get_description(),
+          .initial = option.get_default_str(),
+          .is_positional = option.get_positional(),
+          .has_value = has_value};
+}
+
+ProgramDescription describe(const CLI::App& app) {
+  ProgramDescription program{app.get_description(), app.get_footer(), {}};
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    CommandDescription& command = program.commands.emplace_back();
+    command.name = sub->get_name();
+    command.help = sub->get_description();
+    command.examples = sub->get_footer();
+    for (const CLI::Option* option : sub->get_options()) {
+      command.options.push_back(describe(*option));
+    }
+  }
+  return program;
+}
+
+/// Commands that print what all the others say of themselves.
+void add_pages(CLI::App& app, Parsed& p) {
+  add_command(app, p, "manual", "Print the manual page (roff)", "  relume manual | man -l -",
+              [&app] {
+                fmt::print("{}", format_manual(describe(app)));
+                return 0;
+              });
+  add_command(app, p, "completion", "Print the completion script for bash",
+              "  source <(relume completion)", [&app] {
+                fmt::print("{}", format_bash_completion(describe(app)));
+                return 0;
+              });
+}
+
 int run_parsed(const Parsed& parsed) {
   set_thread_count(parsed.common.threads);
   install_interrupt_handler();
@@ -397,6 +436,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_bench(app, parsed);
   add_info(app, parsed);
   add_study(app, parsed);
+  add_pages(app, parsed);
   try {
     app.parse(argc, argv);
     return run_parsed(parsed);

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""Installs a build into a folder of its own and uses it as a stranger would.
+
+Usage: check_install.py SOURCE BUILD CMAKE CXX PYTHON ("" where the module is not built). Runs the
+installed program, the C++ example found by find_package and by pkg-config, and the Python example.
+"""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+
+def run(*command, **environment):
+    result = subprocess.run([str(c) for c in command], env={**os.environ, **environment},
+                            capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        sys.exit(f"{' '.join(str(c) for c in command)}\n{result.stdout}{result.stderr}")
+    return result.stdout
+
+
+def check_program(prefix):
+    assert "relume" in run(prefix / "bin/relume", "--version")
+    assert '.TH RELUME 1' in (prefix / "share/man/man1/relume.1").read_text(encoding="utf-8")
+    assert (prefix / "share/bash-completion/completions/relume").is_file()
+
+
+def check_find_package(examples, prefix, folder, cmake, compiler):
+    build = folder / "examples"
+    run(cmake, "-S", examples, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}",
+        f"-DCMAKE_CXX_COMPILER={compiler}")
+    run(cmake, "--build", build)
+    print(run(build / "relight", folder), end="")
+
+
+def check_pkg_config(examples, prefix, folder, compiler):
+    pkg_config, = prefix.rglob("relume.pc")
+    flags = run("pkg-config", "--cflags", "--libs", "relume",
+                PKG_CONFIG_PATH=str(pkg_config.parent)).split()
+    library = next(f[2:] for f in flags if f.startswith("-L"))
+    run(compiler, "-std=c++17", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only",
+        examples / "relight.cpp", *flags)
+    assert list(pathlib.Path(library).glob("librelume.so")), library
+
+
+def check_python(examples, prefix, folder, python):
+    module, = prefix.rglob("relume.*.so")
+    print(run(python, examples / "relight.py", folder, PYTHONPATH=str(module.parent)), end="")
+
+
+def main():
+    source, build, cmake, compiler, python = sys.argv[1:6]
+    examples = pathlib.Path(source) / "tests/examples"
+    with tempfile.TemporaryDirectory(prefix="relume-install-") as name:
+        folder = pathlib.Path(name)
+        prefix = folder / "prefix"
+        run(cmake, "--install", build, "--prefix", prefix)
+        check_program(prefix)
+        check_find_package(examples, prefix, folder, cmake, compiler)
+        check_pkg_config(examples, prefix, folder, compiler)
+        if python:
+            check_python(examples, prefix, folder, python)
+
+
+if __name__ == "__main__":
+    main()
