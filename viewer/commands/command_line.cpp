@@ -236,12 +236,17 @@ void add_render(CLI::App& app, Parsed& p) {
   CLI::App& sub = add_command(
       app, p, "render", "Relight off-screen into an EXR with one layer per light, or a PNG",
       "  relume render hair -o frame.exr\n  relume render hair.relume --lights night.json -o "
-      "night.png\n  relume render hair --reference -o reference.exr",
+      "night.png\n  relume render hair --reference -o reference.exr\n  relume render hair --lights "
+      "turn.json --frames 1-96 -o turn.####.exr",
       [&p] { return run_render(p.render, p.common); });
   RenderOptions& o = p.render;
   sub.add_option("input", o.input, "scene label, scene file or .relume cache")->required();
   sub.add_option("-o,--output", o.output, "picture to write: .exr or .png")->required();
   sub.add_option("--lights", o.lights, "lights to use instead of the scene's (JSON)");
+  sub.add_option_function<std::string>(
+      "--frames", [&o](const std::string& text) { o.frames = parse_frame_range(text); },
+      "render a range of frames, FIRST-LAST, under animated lights; '####' in the output's name "
+      "becomes the frame. EXR frames that are there already are kept (docs/frame-format.md)");
   sub.add_flag("--reference", o.reference, "all samples, traced shadows");
   add_label(sub, "--shadow", o.shadow, shadow_method_labels, "shadow method");
   sub.add_option("--exposure", o.exposure, "stops, for PNG; default: the scene's");

@@ -9,6 +9,7 @@
 #include "core/simd/instruction_set.h"
 #include "reduction/reduction.h"
 #include "shadow/shadow.h"
+#include "viewer/commands/frame_range.h"
 #include "viewer/frames/frame_recipe.h"
 #include "viewer/session/prepare_options.h"
 
@@ -63,6 +64,7 @@ struct RenderOptions {
   std::string input;  ///< scene or cache
   std::filesystem::path output;
   std::optional<std::filesystem::path> lights;
+  std::optional<FrameRange> frames;  ///< of animated lights, a file each
   ShadowMethod shadow = ShadowMethod::ray;
   bool reference = false;                                ///< all samples, traced shadows
   std::optional<std::filesystem::path> predicted_error;  ///< heatmap to write, PNG

@@ -4,6 +4,7 @@
 #include "viewer/commands/commands.h"
 #include "viewer/commands/json_output.h"
 #include "viewer/commands/relight_input.h"
+#include "viewer/commands/render_frames.h"
 #include "viewer/session/save_frame.h"
 
 namespace relume {
@@ -42,6 +43,7 @@ RenderOptions resolve_predicted_error(RenderOptions options) {
 
 int run_render(const RenderOptions& asked, const CommonOptions& common) {
   const RenderOptions options = resolve_predicted_error(resolve_reference(asked));
+  if (options.frames) check_can_render_frames(options);
   const Timer timer;
   const RelightInput input = open_input(options.input, prepare_for(options.shadow, options.prepare),
                                         options.shadow != ShadowMethod::none, common);
@@ -49,6 +51,7 @@ int run_render(const RenderOptions& asked, const CommonOptions& common) {
   const double prepare_ms = timer.ms();
   if (options.predicted_error) save_predicted_error(*input.cache, *options.predicted_error);
   if (options.record_map) save_record_map(*input.cache, *options.record_map);
+  if (options.frames) return render_frames(options, input, common);
 
   const auto shadows =
       input.tracer ? make_shadow(options.shadow, *input.tracer, *input.cache) : nullptr;

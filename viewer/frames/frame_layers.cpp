@@ -127,16 +127,16 @@ FrameLayers make_frame_layers(const RelightState& state, const FrameRecipe& reci
   return LayerMaker(state, recipe).make();
 }
 
-std::vector<std::pair<std::string, std::string>> make_frame_metadata(const RelightState& state,
-                                                                     const FrameRecipe& recipe) {
-  const CacheInfo& info = state.cache->info();
+FrameMetadata make_frame_metadata(const RelightCache& cache, const std::vector<Light>& lights,
+                                  const FrameRecipe& recipe) {
+  const CacheInfo& info = cache.info();
   const InstructionSet set = choose_instruction_set(recipe.instruction_set);
-  std::vector<std::pair<std::string, std::string>> metadata = {
+  FrameMetadata metadata = {
       {"relume:version", relume_version},
       {"relume:commit", relume_commit},
       {"relume:scene", info.scene_name},
       {"relume:scene_file", scene_input(info)},
-      {"relume:cache_hash", fmt::format("{:016x}", state.cache->hash())},
+      {"relume:cache_hash", fmt::format("{:016x}", cache.hash())},
       {"relume:method", info.method},
       {"relume:records", fmt::format("{}", info.records)},
       {"relume:average_records", fmt::format("{}", info.average_records)},
@@ -148,7 +148,7 @@ std::vector<std::pair<std::string, std::string>> make_frame_metadata(const Relig
       {"relume:shadow", std::string(label_of(shadow_method_labels, recipe.shadow))},
       {"relume:isa", std::string(label_of(instruction_set_labels, set))},
       {"relume:aovs", aov_list(recipe.aovs)},
-      {"relume:lights", format_lights(state.lights)}};
+      {"relume:lights", format_lights(lights)}};
   if (recipe.scene != nullptr && recipe.shadow != ShadowMethod::none) {
     metadata.emplace_back("relume:geometry_hash",
                           fmt::format("{:016x}", geometry_hash(*recipe.scene)));

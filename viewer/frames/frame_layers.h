@@ -25,8 +25,11 @@ struct FrameLayers {
 /// the AOVs that `recipe` asks for. Throws Error(usage) for an AOV that the cache cannot give.
 FrameLayers make_frame_layers(const RelightState& state, const FrameRecipe& recipe);
 
+/// Attributes by name.
+using FrameMetadata = std::vector<std::pair<std::string, std::string>>;
+
 /// All that is needed to make the frame again, as a file's attributes (docs/frame-format.md).
-std::vector<std::pair<std::string, std::string>> make_frame_metadata(const RelightState& state,
-                                                                     const FrameRecipe& recipe);
+FrameMetadata make_frame_metadata(const RelightCache& cache, const std::vector<Light>& lights,
+                                  const FrameRecipe& recipe);
 
 }  // namespace relume

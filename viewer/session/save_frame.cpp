@@ -13,7 +13,8 @@ namespace relume {
 void save_frame(const RelightState& state, const DisplayTransform& display,
                 const std::filesystem::path& path, const FrameRecipe& recipe) {
   if (path.extension() == ".exr") {
-    write_exr(path, make_frame_layers(state, recipe).layers, make_frame_metadata(state, recipe));
+    write_exr(path, make_frame_layers(state, recipe).layers,
+              make_frame_metadata(*state.cache, state.lights, recipe));
   } else if (path.extension() == ".png") {
     write_png(path, apply_display(state.frame, display));
   } else {

@@ -2,20 +2,19 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/io/json_light_animation.h"
 #include "core/scene/io/load_scene.h"
 #include "core/scene/limits.h"
 
 namespace relume {
 namespace {
 
-constexpr float max_gain = 1e20f;
-
 /// "gain", or "gain_relative": multiplied by radius^2 where the light falls off with distance, so
 /// that the picture's exposure does not depend on the scene's units.
 void read_gain(const JsonNode& node, const std::optional<SceneFrame>& frame, Light& light) {
   const auto relative = node.find("gain_relative");
   if (!relative) {
-    node.read("gain", light.gain, 0, max_gain);
+    node.read("gain", light.gain, 0, max_light_gain);
     return;
   }
   if (node.has("gain")) throw relative->error("stands beside \"gain\"", "keep one of them");
@@ -24,7 +23,7 @@ void read_gain(const JsonNode& node, const std::optional<SceneFrame>& frame, Lig
   }
   const bool falls_off = light.falloff && light.type != LightType::directional;
   const float unit = falls_off ? frame->radius * frame->radius : 1.0f;
-  light.gain = relative->number(0, max_gain) * unit;
+  light.gain = relative->number(0, max_light_gain) * unit;
 }
 
 /// "direction", or "target": the point that the light is aimed at.
@@ -46,7 +45,7 @@ void read_direction(const JsonNode& node, const std::optional<SceneFrame>& frame
 Light read_light(const JsonNode& node, const std::optional<SceneFrame>& frame) {
   node.expect_keys({"name", "type", "position", "direction", "target", "inner_angle_deg",
                     "outer_angle_deg", "falloff", "range", "color", "gain", "gain_relative", "mute",
-                    "casts_shadow"});
+                    "casts_shadow", "keyframes", "turntable"});
   Light light;
   node.read("name", light.name, max_name_length);
   node.read("type", light.type, light_type_labels);
@@ -57,11 +56,12 @@ Light read_light(const JsonNode& node, const std::optional<SceneFrame>& frame) {
   node.read("inner_angle_deg", light.inner_angle_deg, 0, 90);
   node.read("falloff", light.falloff);
   node.read("range", light.range, 0, 1e15f);
-  node.read("color", light.color, 0, max_gain);
+  node.read("color", light.color, 0, max_light_gain);
   read_gain(node, frame, light);
   node.read("mute", light.mute);
   node.read("casts_shadow", light.casts_shadow);
   validate_light(light, node.place());
+  read_light_animation(node);  // says what is wrong with it
   return light;
 }
 
