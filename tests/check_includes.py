@@ -35,7 +35,7 @@ EXCEPTIONS = {
 LIBRARIES = {
     r"embree3/": ["core/trace/tracer.cpp"],
     r"(tbb|oneapi/tbb)/": ["core/base/parallel.cpp"],
-    r"OpenImageIO/": ["core/image/image_io.cpp"],
+    r"OpenImageIO/": ["core/image/"],
     r"(immintrin|x86intrin|arm_neon)\.h": ["core/simd/"],
     r"CLI/": ["viewer/commands/command_line.cpp"],
     r"tiny_gltf\.h": ["core/scene/io/gltf_file.cpp"],

@@ -4,6 +4,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/image/deep_io.h"
 #include "core/image/image_io.h"
 #include "core/scene/limits.h"
 #include "core/trace/ray_bias.h"
@@ -17,6 +18,7 @@ constexpr double most_filtered = 0.01;
 /// Positions further from their pixels count as unseen there; strands lie on their axes.
 constexpr float most_offset_px = 2;
 constexpr double most_unseen = 0.1;
+constexpr uint32_t max_deep_samples = 1024;  // of a pixel
 
 /// The channels of a file, found by names that may lack leading layers.
 class ChannelFinder {
@@ -102,6 +104,15 @@ float exponent_of_roughness(float roughness) {
 AovSamples::AovSamples(const std::filesystem::path& path, const ChannelMap& map,
                        int samples_per_side, const Camera& camera)
     : side_(samples_per_side) {
+  if (is_deep_image(path)) {
+    read_deep(path, map);
+  } else {
+    read_flat(path, map);
+  }
+  check(path, CameraRays(camera, width_, height_));
+}
+
+void AovSamples::read_flat(const std::filesystem::path& path, const ChannelMap& map) {
   const ImageHeader header = read_image_header(path);
   if (header.width % side_ != 0 || header.height % side_ != 0) {
     throw input_error(path.string(),
@@ -111,7 +122,8 @@ AovSamples::AovSamples(const std::filesystem::path& path, const ChannelMap& map,
   }
   width_ = header.width / side_;
   height_ = header.height / side_;
-  resolve(path, map);
+  spp_ = side_ * side_;
+  resolve(path.string(), header.channels, map);
   const uint64_t values = uint64_t{static_cast<uint64_t>(header.width)} *
                           static_cast<uint64_t>(header.height) * channels_.size();
   if (values > max_value_bytes / sizeof(float)) {
@@ -121,16 +133,88 @@ AovSamples::AovSamples(const std::filesystem::path& path, const ChannelMap& map,
   read_channel_rows(path, channels_, [&](int /*y*/, std::span<const float> row) {
     values_.insert(values_.end(), row.begin(), row.end());
   });
-  check(path, CameraRays(camera, width_, height_));
 }
 
-void AovSamples::resolve(const std::filesystem::path& path, const ChannelMap& map) {
-  const std::vector<std::string> names = read_channel_names(path);
+void AovSamples::read_deep(const std::filesystem::path& path, const ChannelMap& map) {
+  const DeepImage header = read_deep_header(path);
+  std::vector<std::string> names;
+  for (const DeepChannel& channel : header.channels) names.push_back(channel.name);
+  ChannelMap deep_map = map;
+  deep_map.coverage.clear();  // whatever is there is a sample
+  resolve(path.string(), names, deep_map);
   const ChannelFinder finder(path.string(), names);
+  std::vector<std::string> weight = finder.find_layer("weight", 1);
+  const bool is_alpha = weight.empty();
+  if (is_alpha) weight = finder.find_layer("A", 1);
+  if (weight.empty()) throw missing_channel(path.string(), "weight' or 'A");
+  std::vector<std::string> wanted = channels_;
+  wanted.push_back(weight.front());
+  DeepImage image = read_deep_image(path, wanted);
+  side_ = 1;
+  width_ = image.width;
+  height_ = image.height;
+  first_.assign(1, 0);
+  for (const uint32_t count : image.counts) {
+    if (count > max_deep_samples) {
+      throw limit_error(path.string(), fmt::format("a pixel holds {} samples", count),
+                        fmt::format("the limit is {}", max_deep_samples));
+    }
+    first_.push_back(first_.back() + count);
+    spp_ = std::max(spp_, static_cast<int>(count));
+  }
+  // The weight becomes the last of each sample's values.
+  channels_.push_back(weight.front());
+  values_ = std::move(image.values);
+  set_deep_weights(path, is_alpha);
+}
+
+/// Weights as they stand, or, of alphas, what each sample adds to a picture behind those before it.
+void AovSamples::set_deep_weights(const std::filesystem::path& path, bool is_alpha) {
+  constexpr double most_weight = 1.001;  // half floats
+  for (size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+    double sum = 0;
+    double transmittance = 1;
+    for (uint64_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
+      const float value = values_[(i + 1) * channels_.size() - 1];
+      const double weight = is_alpha ? value * transmittance : double{value};
+      transmittance *= 1 - double{value};
+      sum += weight;
+      if (!(value >= 0) || !(sum <= most_weight)) {
+        throw input_error(path.string(),
+                          fmt::format("the weights of pixel ({}, {}) are not within [0, 1]",
+                                      pixel % width_, pixel / width_),
+                          "give a channel 'weight', or 'A' of samples sorted by depth");
+      }
+      weights_.push_back(static_cast<float>(weight));
+    }
+  }
+}
+
+void AovSamples::visit_pixel(int x, int y, const VisitSample& visit) const {
+  if (!first_.empty()) {
+    const size_t pixel = static_cast<size_t>(y) * width_ + x;
+    for (uint64_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
+      visit(&values_[i * channels_.size()], weights_[i], vec2(x, y) + 0.5f);
+    }
+    return;
+  }
+  const float weight = 1.0f / static_cast<float>(side_ * side_);
+  for (int cell = 0; cell < side_ * side_; ++cell) {
+    const int sub_x = x * side_ + cell % side_;
+    const int sub_y = y * side_ + cell / side_;
+    const size_t at = static_cast<size_t>(sub_y) * width_ * side_ + sub_x;
+    visit(&values_[at * channels_.size()], weight,
+          (vec2(sub_x, sub_y) + 0.5f) / static_cast<float>(side_));
+  }
+}
+
+void AovSamples::resolve(const std::string& place, const std::vector<std::string>& names,
+                         const ChannelMap& map) {
+  const ChannelFinder finder(place, names);
   const auto resolve_channel = [&](const std::string& name) {
     if (name.empty()) return -1;
     const auto found = finder.find_layer(name, 1);
-    if (found.empty()) throw missing_channel(path.string(), name);
+    if (found.empty()) throw missing_channel(place, name);
     return index_of(channels_, found[0]);
   };
   coverage_ = resolve_channel(map.coverage);
@@ -158,7 +242,7 @@ void AovSamples::resolve(const std::filesystem::path& path, const ChannelMap& ma
       }
     }
     if (!type.missing.empty() && types_.size() == map.types.size() && !type.id) {
-      throw missing_channel(path.string(), type.missing);
+      throw missing_channel(place, type.missing);
     }
   }
 }
@@ -182,57 +266,61 @@ int AovSamples::find_type(const float* values) const {
   return -1;
 }
 
+void AovSamples::check_sample(const std::filesystem::path& path, const CameraRays& rays,
+                              const float* values, vec2 film_px, FilterSigns& signs) {
+  if (coverage_ >= 0 && values[coverage_] > 0.02f && values[coverage_] < 0.98f) ++signs.partial;
+  if (!is_hit(values)) return;
+  const Type& type = types_[static_cast<size_t>(find_type(values))];
+  if (!type.missing.empty()) throw missing_channel(path.string(), type.missing);
+  for (size_t i = 0; i < type.fields.size(); ++i) {
+    const SampleField& field = type.shader->fields[i];
+    const vec3 v = read_vector(values, type.fields[i].channels, vec3(0));
+    if (!is_finite(v) || (field.source == FieldSource::position && !is_coordinate(v))) {
+      const vec2 sub_px = glm::floor(film_px * static_cast<float>(side_));
+      throw input_error(path.string(),
+                        fmt::format("the {} of sub-pixel ({}, {}) is not finite or too large",
+                                    field.name, sub_px.x, sub_px.y),
+                        "render it again");
+    }
+    if (is_unit_field(field) && !is_unit(v)) ++signs.not_unit;
+    if (field.source != FieldSource::position) continue;
+    bounds_.extend(v);
+    const CameraRays::Projection seen = rays.project(v);
+    if (!(seen.depth > 0) || glm::distance(seen.film_px, film_px) > most_offset_px) ++signs.unseen;
+  }
+  ++sample_count_;
+}
+
 void AovSamples::check(const std::filesystem::path& path, const CameraRays& rays) {
-  uint64_t not_unit = 0;
-  uint64_t partial = 0;
-  uint64_t unseen = 0;
-  for (int y = 0; y < height_ * side_; ++y) {
-    for (int x = 0; x < width_ * side_; ++x) {
-      const float* values = values_at(x, y);
-      if (coverage_ >= 0 && values[coverage_] > 0.02f && values[coverage_] < 0.98f) ++partial;
-      if (!is_hit(values)) continue;
-      const Type& type = types_[static_cast<size_t>(find_type(values))];
-      if (!type.missing.empty()) throw missing_channel(path.string(), type.missing);
-      for (size_t i = 0; i < type.fields.size(); ++i) {
-        const SampleField& field = type.shader->fields[i];
-        const vec3 v = read_vector(values, type.fields[i].channels, vec3(0));
-        if (!is_finite(v) || (field.source == FieldSource::position && !is_coordinate(v))) {
-          throw input_error(path.string(),
-                            fmt::format("the {} of sub-pixel ({}, {}) is not finite or too large",
-                                        field.name, x, y),
-                            "render it again");
-        }
-        if (is_unit_field(field) && !is_unit(v)) ++not_unit;
-        if (field.source != FieldSource::position) continue;
-        bounds_.extend(v);
-        const CameraRays::Projection seen = rays.project(v);
-        const vec2 center = (vec2(x, y) + 0.5f) / static_cast<float>(side_);
-        if (!(seen.depth > 0) || glm::distance(seen.film_px, center) > most_offset_px) ++unseen;
-      }
-      ++sample_count_;
+  FilterSigns signs;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      visit_pixel(x, y, [&](const float* values, float, vec2 film_px) {
+        check_sample(path, rays, values, film_px, signs);
+      });
     }
   }
   const auto hits = static_cast<double>(sample_count_);
   if (sample_count_ == 0) {
     throw input_error(path.string(), "no sub-pixel holds a sample", "check --channels");
   }
-  if (static_cast<double>(not_unit) > most_filtered * hits) {
+  if (static_cast<double>(signs.not_unit) > most_filtered * hits) {
     throw input_error(path.string(),
                       fmt::format("{} of {} normals or tangents are not unit vectors: the image "
                                   "was filtered",
-                                  not_unit, sample_count_),
+                                  signs.not_unit, sample_count_),
                       "render one sample a sub-pixel without a pixel filter");
   }
-  if (static_cast<double>(partial) > most_filtered * hits) {
+  if (static_cast<double>(signs.partial) > most_filtered * hits) {
     throw input_error(
         path.string(),
-        fmt::format("{} sub-pixels are covered in part: the image was filtered", partial),
+        fmt::format("{} sub-pixels are covered in part: the image was filtered", signs.partial),
         "render one sample a sub-pixel without a pixel filter");
   }
-  if (static_cast<double>(unseen) > most_unseen * hits) {
+  if (static_cast<double>(signs.unseen) > most_unseen * hits) {
     throw input_error(path.string(),
                       fmt::format("{} of {} positions are not where the proxy's camera sees them",
-                                  unseen, sample_count_),
+                                  signs.unseen, sample_count_),
                       "check the camera, the axes and units of --proxy, and --samples");
   }
 }
@@ -290,20 +378,17 @@ SampleTile AovSamples::make_tile(const ViewSampler& view, int index) const {
   tile.types.resize(view.types.types.size());
   for (TypedRows& rows : tile.types) rows.first.push_back(0);
   const size_t first_material = view.types.type_of_material.size() - types_.size();
-  const float weight = 1.0f / static_cast<float>(side_ * side_);
   for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
-    const int x = (tile.x0 + pixel % tile.width) * side_;
-    const int y = (tile.y0 + pixel / tile.width) * side_;
-    for (int cell = 0; cell < side_ * side_; ++cell) {
-      const float* values = values_at(x + cell % side_, y + cell / side_);
-      if (!is_hit(values)) continue;
-      const auto type = static_cast<size_t>(find_type(values));
-      const uint16_t sample_type = view.types.type_of_material[first_material + type];
-      TypedRows& rows = tile.types[sample_type];
-      const bool is_kept =
-          append(types_[type], view.types.types[sample_type], values, rows, view.scene->camera.eye);
-      if (is_kept) rows.weights.push_back(weight);
-    }
+    visit_pixel(tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width,
+                [&](const float* values, float weight, vec2) {
+                  if (!(weight > 0) || !is_hit(values)) return;
+                  const auto type = static_cast<size_t>(find_type(values));
+                  const uint16_t sample_type = view.types.type_of_material[first_material + type];
+                  TypedRows& rows = tile.types[sample_type];
+                  const bool is_kept = append(types_[type], view.types.types[sample_type], values,
+                                              rows, view.scene->camera.eye);
+                  if (is_kept) rows.weights.push_back(weight);
+                });
     for (TypedRows& rows : tile.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));
   }
   return tile;

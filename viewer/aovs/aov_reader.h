@@ -8,20 +8,25 @@
 
 namespace relume {
 
-/// The samples of an AOV image: one a sub-pixel, unfiltered. Const use is thread-safe.
+/// The samples of an AOV image: one a sub-pixel, unfiltered, or those of a deep image, each with
+/// its weight. Const use is thread-safe.
 class AovSamples {
  public:
-  /// Reads an image whose sides are multiples of `samples_per_side`. Throws Error(input) naming the
-  /// file and the reason: a channel that is missing, values that are not finite, normals or
-  /// tangents that are not unit in more than 1 of 100 samples, or coverage between 0 and 1 (the
-  /// image was filtered), positions that `camera` does not see where they are, a position beyond
-  /// max_coordinate, no samples at all; Error(limit) when the values would take more than 8 GiB.
+  /// Reads a deep image, or a flat one whose sides are multiples of `samples_per_side`. Throws
+  /// Error(input) naming the file and the reason: a channel that is missing, values that are not
+  /// finite, normals or tangents that are not unit in more than 1 of 100 samples, or coverage
+  /// between 0 and 1 (the image was filtered), positions that `camera` does not see where they are,
+  /// a position beyond max_coordinate, no samples at all, weights of a deep pixel that sum to more
+  /// than 1; Error(limit) when the values would take more than 8 GiB or a deep pixel has more than
+  /// 1024 samples.
   AovSamples(const std::filesystem::path& path, const ChannelMap& map, int samples_per_side,
              const Camera& camera);
 
   int width() const { return width_; }  ///< pixels
   int height() const { return height_; }
   uint64_t sample_count() const { return sample_count_; }
+  /// The most samples that a pixel may have, [1, 1024].
+  int spp() const { return spp_; }
   /// One material for each type of the map, to be appended to the scene that is prepared:
   /// prepared tiles use the types of those.
   void add_materials(Scene& scene) const;
@@ -36,6 +41,12 @@ class AovSamples {
     bool is_roughness = false;
     bool is_default_bias = false;
   };
+  /// What filtered or misplaced samples give away.
+  struct FilterSigns {
+    uint64_t not_unit = 0;
+    uint64_t partial = 0;
+    uint64_t unseen = 0;
+  };
   struct Type {
     const ShaderInfo* shader = nullptr;
     std::optional<float> id;
@@ -43,17 +54,23 @@ class AovSamples {
     std::vector<Field> fields;  ///< parallel to shader->fields
   };
 
-  void resolve(const std::filesystem::path& path, const ChannelMap& map);
+  /// One sample of a pixel. `film_px`: where it lies, in pixels.
+  using VisitSample = std::function<void(const float* values, float weight, vec2 film_px)>;
+
+  void read_flat(const std::filesystem::path& path, const ChannelMap& map);
+  void read_deep(const std::filesystem::path& path, const ChannelMap& map);
+  void set_deep_weights(const std::filesystem::path& path, bool is_alpha);
+  void visit_pixel(int x, int y, const VisitSample& visit) const;
+  void resolve(const std::string& place, const std::vector<std::string>& names,
+               const ChannelMap& map);
   int find_type(const float* values) const;
   bool is_hit(const float* values) const;
   void check(const std::filesystem::path& path, const CameraRays& rays);
+  void check_sample(const std::filesystem::path& path, const CameraRays& rays, const float* values,
+                    vec2 film_px, FilterSigns& signs);
   SampleTile make_tile(const ViewSampler& view, int index) const;
   bool append(const Type& type, const SampleType& sample_type, const float* values, TypedRows& rows,
               vec3 eye) const;
-  const float* values_at(int x, int y) const {
-    return &values_[(static_cast<size_t>(y) * width_ * side_ + x) * channels_.size()];
-  }
-
   int side_ = 1;  ///< sub-pixels of a pixel's side
   int width_ = 0;
   int height_ = 0;
@@ -61,7 +78,12 @@ class AovSamples {
   int id_ = -1;
   std::vector<std::string> channels_;  ///< that are read
   std::vector<Type> types_;
-  std::vector<float> values_;  ///< of each sub-pixel, row by row
+  std::vector<float> values_;  ///< of each sub-pixel or deep sample, row by row
+  /// Deep: pixel p owns samples [first_[p], first_[p + 1]), whose weights are in weights_. Else
+  /// empty.
+  std::vector<uint64_t> first_;
+  std::vector<float> weights_;
+  int spp_ = 1;
   uint64_t sample_count_ = 0;
   Bounds bounds_;
 };

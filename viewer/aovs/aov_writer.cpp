@@ -7,32 +7,10 @@
 #include "core/base/parallel.h"
 #include "core/image/image_io.h"
 #include "core/scene/limits.h"
+#include "viewer/aovs/channel_names.h"
 
 namespace relume {
 namespace {
-
-/// The layer that a field goes to in the preset "relume".
-std::string layer_of(const SampleField& field) {
-  switch (field.source) {
-    case FieldSource::position:
-      return "P.";
-    case FieldSource::bias:
-      return "bias.";
-    case FieldSource::normal:
-      return "N.";
-    case FieldSource::tangent:
-      return "T.";
-    case FieldSource::material:
-      return std::string(field.name) + ".";
-  }
-  return "";
-}
-
-std::vector<std::string> components_of(const SampleField& field) {
-  if (field.width == 1) return {"V"};
-  if (field.source == FieldSource::material) return {"R", "G", "B"};
-  return {"X", "Y", "Z"};
-}
 
 /// The images of the view's fields.
 class AovImages {
@@ -91,9 +69,7 @@ class AovImages {
       std::copy_n(values + type.offsets[i], type.field(i).width,
                   layers_[layer_of_field_[t][i]].image.at(x, y));
     }
-    const auto& shaders = view_.scene->shaders;
-    const auto found = std::find(shaders.begin(), shaders.end(), type.shader);
-    *id_.at(x, y) = static_cast<float>(found - shaders.begin() + 1);
+    *id_.at(x, y) = id_of_shader(type.shader);
   }
 
   const ViewSampler& view_;

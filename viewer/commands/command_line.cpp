@@ -127,6 +127,7 @@ struct Parsed {
   PrepareCommandOptions prepare;
   RenderOptions render;
   SampleOptions sample;
+  ConvertOptions convert;
   VerifyOptions verify;
   CompareOptions compare;
   BenchOptions bench;
@@ -259,6 +260,21 @@ void add_render(CLI::App& app, Parsed& p) {
       sub, "--aov", o.aovs, frame_aov_labels,
       "write these beside the light (EXR; docs/frame-format.md): " + label_list(frame_aov_labels));
   add_label(sub, "--isa", o.instruction_set, instruction_set_labels, "instruction set");
+  add_prepare(sub, o.prepare);
+}
+
+void add_convert(CLI::App& app, Parsed& p) {
+  CLI::App& sub = add_command(
+      app, p, "convert",
+      "Write records, or with --method all samples, as a deep EXR, or lights as UsdLux",
+      "  relume convert hair.relume deep.exr\n  relume convert hair samples.exr --method all\n"
+      "  relume convert hair rig.usda",
+      [&p] { return run_convert(p.convert, p.common); });
+  ConvertOptions& o = p.convert;
+  sub.add_option("input", o.input, "scene label, scene file or .relume cache")->required();
+  sub.add_option("output", o.output, ".exr (deep) or .usda to write")->required();
+  sub.add_option("--lights", o.lights, "lights to use instead of the scene's (JSON)");
+  add_label(sub, "--shadow", o.shadow, shadow_method_labels, "shadow method");
   add_prepare(sub, o.prepare);
 }
 
@@ -436,6 +452,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_prepare_command(app, parsed);
   add_render(app, parsed);
   add_sample(app, parsed);
+  add_convert(app, parsed);
   add_verify(app, parsed);
   add_compare(app, parsed);
   add_bench(app, parsed);

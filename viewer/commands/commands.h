@@ -11,6 +11,7 @@ int run_view(const ViewOptions& options, const CommonOptions& common);
 int run_prepare(const PrepareCommandOptions& options, const CommonOptions& common);
 int run_render(const RenderOptions& options, const CommonOptions& common);
 int run_sample(const SampleOptions& options, const CommonOptions& common);
+int run_convert(const ConvertOptions& options, const CommonOptions& common);
 int run_verify(const VerifyOptions& options, const CommonOptions& common);
 int run_compare(const CompareOptions& options, const CommonOptions& common);
 int run_bench(const BenchOptions& options, const CommonOptions& common);

@@ -76,6 +76,14 @@ struct RenderOptions {
   PrepareOptions prepare;
 };
 
+struct ConvertOptions {
+  std::string input;             ///< scene or cache
+  std::filesystem::path output;  ///< .exr: deep records; .usda: lights
+  std::optional<std::filesystem::path> lights;
+  ShadowMethod shadow = ShadowMethod::ray;
+  PrepareOptions prepare;
+};
+
 struct VerifyOptions {
   std::filesystem::path frame;
   std::optional<std::filesystem::path> cache;  ///< nothing: prepared again as the frame says

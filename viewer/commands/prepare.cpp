@@ -54,7 +54,7 @@ AovInput open_aovs(const PrepareCommandOptions& options, const CommonOptions& co
   result.input.scene = std::make_unique<const Scene>(std::move(scene));
   result.input.tracer = std::make_unique<const Tracer>(*result.input.scene);
   result.source = result.samples->source();
-  params.spp = options.samples_per_side * options.samples_per_side;
+  params.spp = result.samples->spp();
   params.width = result.samples->width();
   params.height = result.samples->height();
   return result;
