@@ -14,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/image/exr_header.h"
+#include "core/image/color_config.h"
 #include "core/math/color.h"
 #include "core/scene/io/texture_file.h"
 
@@ -314,7 +315,26 @@ uint8_t texel_byte(float value, bool encode) {
   return static_cast<uint8_t>(255.0f * (encode ? srgb_from_linear(clamped) : clamped) + 0.5f);
 }
 
-Texture read_texture(const Source& source, bool srgb) {
+/// Any texture as sRGB-encoded bytes of the scene-linear colours that `converter` gives.
+void read_converted(const Source& source, OpenImage& file, const ColorConverter& converter,
+                    Texture& texture) {
+  const OIIO::ImageSpec& spec = file.spec;
+  const RgbChannels rgb = find_rgb(spec);
+  read_rows<float>(source, file, [&](int y, const float* values) {
+    for (int x = 0; x < spec.width; ++x, values += spec.nchannels) {
+      std::array<float, 3> color = {values[rgb[0]], values[rgb[1]], values[rgb[2]]};
+      converter.to_scene_linear(color.data());
+      if (!is_finite(vec3(color[0], color[1], color[2]))) {
+        throw source.broken(fmt::format("pixel ({}, {}) is not finite", x, y), "repair the image");
+      }
+      for (const float value : color) texture.texels.push_back(texel_byte(value, true));
+      const float alpha = spec.alpha_channel >= 0 ? values[spec.alpha_channel] : 1.0f;
+      texture.texels.push_back(texel_byte(is_finite(alpha) ? alpha : 1.0f, false));
+    }
+  });
+}
+
+Texture read_texture(const Source& source, bool srgb, const std::string& color_space = "") {
   OpenImage file = open_image(source);
   const OIIO::ImageSpec& spec = file.spec;
   const RgbChannels rgb = find_rgb(spec);
@@ -323,6 +343,11 @@ Texture read_texture(const Source& source, bool srgb) {
   Texture texture{
       source.path.lexically_normal().generic_string(), spec.width, spec.height, srgb, {}};
   texture.texels.reserve(static_cast<size_t>(spec.width) * spec.height * 4);
+  if (!color_space.empty()) {
+    texture.name += "|" + color_space;
+    read_converted(source, file, ColorConverter(color_space, source.place), texture);
+    return texture;
+  }
   const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
   if (bytes) {
     read_rows<uint8_t>(source, file, [&](int, const uint8_t* values) {
@@ -462,11 +487,12 @@ int find_texture(const Scene& scene, const std::string& name, bool srgb) {
 }  // namespace
 
 int add_texture(Scene& scene, const std::filesystem::path& path, bool srgb,
-                const std::string& place) {
+                const std::string& place, const std::string& color_space) {
   const std::string name = path.lexically_normal().generic_string();
-  if (const int found = find_texture(scene, name, srgb); found >= 0) return found;
+  const std::string key = color_space.empty() ? name : name + "|" + color_space;
+  if (const int found = find_texture(scene, key, srgb); found >= 0) return found;
   const Source source{path, fmt::format("{}: image '{}'", place, name)};
-  scene.textures.push_back(read_texture(source, srgb));
+  scene.textures.push_back(read_texture(source, srgb, color_space));
   return static_cast<int>(scene.textures.size()) - 1;
 }
 

@@ -251,7 +251,8 @@ void add_render(CLI::App& app, Parsed& p) {
   sub.add_flag("--reference", o.reference, "all samples, traced shadows");
   add_label(sub, "--shadow", o.shadow, shadow_method_labels, "shadow method");
   sub.add_option("--exposure", o.exposure, "stops, for PNG; default: the scene's");
-  add_label(sub, "--curve", o.curve, tone_curve_labels, "tone curve, for PNG");
+  add_label(sub, "--curve", o.curve, tone_curve_labels,
+            "tone curve, for PNG; default: the display of $OCIO, srgb without one");
   sub.add_option("--predicted-error", o.predicted_error,
                  "write the predicted error of each pixel in false colour (PNG)");
   sub.add_option("--record-map", o.record_map,

@@ -70,7 +70,7 @@ struct RenderOptions {
   std::optional<std::filesystem::path> predicted_error;  ///< heatmap to write, PNG
   std::optional<std::filesystem::path> record_map;       ///< heatmap to write, PNG
   std::optional<float> exposure;
-  ToneCurve curve = ToneCurve::srgb;
+  std::optional<ToneCurve> curve;  ///< nothing: the display of $OCIO, or srgb without one
   InstructionSet instruction_set = InstructionSet::automatic;
   std::vector<FrameAov> aovs;  ///< beside the light, EXR
   PrepareOptions prepare;

@@ -59,13 +59,12 @@ int run_render(const RenderOptions& asked, const CommonOptions& common) {
   const RelightStats stats = relight(state, choose_lights(options, info), shadows.get(),
                                      {.instruction_set = options.instruction_set});
 
-  save_frame(state, {.exposure = options.exposure.value_or(info.exposure), .curve = options.curve},
-             options.output,
-             {.shadow = options.shadow,
-              .shadows = shadows.get(),
-              .scene = input.scene.get(),
-              .instruction_set = options.instruction_set,
-              .aovs = options.aovs});
+  save_picture(state, options.exposure.value_or(info.exposure), options.curve, options.output,
+               {.shadow = options.shadow,
+                .shadows = shadows.get(),
+                .scene = input.scene.get(),
+                .instruction_set = options.instruction_set,
+                .aovs = options.aovs});
   print_figures(
       "relume-render-1", common,
       {{{"scene", info.scene_name},

@@ -76,6 +76,7 @@ class MaterialReader {
       value.expect_keys(field.width == 1
                             ? std::vector<std::string_view>{"texture", "scale", "srgb", "channel"}
                             : std::vector<std::string_view>{"texture", "scale", "srgb"});
+      value.expect_keys({"texture", "scale", "srgb", "color_space"});
       // A texture's values lie in [0, 1], so 1 is the natural factor where the range allows it.
       parameter.value = vec3(std::clamp(1.0f, field.low, field.high));
       if (const auto scale = value.find("scale")) parameter.value = read_value(*scale, field);
@@ -83,15 +84,21 @@ class MaterialReader {
       value.read("srgb", srgb);
       parameter.texture = read_texture(value, srgb);
       value.read("channel", parameter.channel, channel_labels);
+      std::string color_space;
+      value.read("color_space", color_space, max_name_length);
+      if (!color_space.empty() && value.has("srgb")) {
+        throw value.error("has srgb beside color_space", "keep one of them");
+      }
+      parameter.texture = read_texture(value, srgb || !color_space.empty(), color_space);
     } else {
       parameter.value = read_value(value, field);
     }
     material_.parameters.push_back(std::move(parameter));
   }
 
-  int read_texture(const JsonNode& owner, bool srgb) {
+  int read_texture(const JsonNode& owner, bool srgb, const std::string& color_space = "") {
     const JsonNode texture = owner.get("texture", "name an image file");
-    return add_texture(scene_, read_path(texture, folder_), srgb, texture.place());
+    return add_texture(scene_, read_path(texture, folder_), srgb, texture.place(), color_space);
   }
 
   void read_alpha(const JsonNode& alpha) {
