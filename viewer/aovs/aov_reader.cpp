@@ -8,6 +8,7 @@
 #include "core/image/image_io.h"
 #include "core/scene/limits.h"
 #include "core/trace/ray_bias.h"
+#include "viewer/aovs/fit_camera.h"
 
 namespace relume {
 namespace {
@@ -94,6 +95,12 @@ vec3 read_vector(const float* values, const std::array<int, 3>& channels, vec3 c
 }
 
 /// A GGX lobe of width alpha about the half vector is twice as wide about the mirror direction.
+/// World units.
+float splat_side(const AovHit& hit, const CameraRays& rays) {
+  return hit.side_px * rays.footprint_per_depth() * glm::distance(hit.position, rays.eye());
+}
+
+/// As glTF materials become `phong` (docs/scene-format.md).
 float exponent_of_roughness(float roughness) {
   const float square = roughness * roughness;
   return 1 / std::max(2 * square * square, 1e-5f);
@@ -102,14 +109,15 @@ float exponent_of_roughness(float roughness) {
 }  // namespace
 
 AovSamples::AovSamples(const std::filesystem::path& path, const ChannelMap& map,
-                       int samples_per_side, const Camera& camera)
+                       int samples_per_side, const std::optional<Camera>& camera)
     : side_(samples_per_side) {
   if (is_deep_image(path)) {
     read_deep(path, map);
   } else {
     read_flat(path, map);
   }
-  check(path, CameraRays(camera, width_, height_));
+  camera_ = camera ? *camera : find_camera(path);
+  check(path, CameraRays(camera_, width_, height_));
 }
 
 void AovSamples::read_flat(const std::filesystem::path& path, const ChannelMap& map) {
@@ -206,6 +214,50 @@ void AovSamples::visit_pixel(int x, int y, const VisitSample& visit) const {
     visit(&values_[at * channels_.size()], weight,
           (vec2(sub_x, sub_y) + 0.5f) / static_cast<float>(side_));
   }
+}
+
+AovHit AovSamples::make_hit(const float* values, float weight, vec2 film_px) const {
+  const Type& type = types_[static_cast<size_t>(find_type(values))];
+  AovHit hit{vec3(0), vec3(0), film_px, std::sqrt(weight)};
+  vec3 tangent(0);
+  for (size_t i = 0; i < type.fields.size(); ++i) {
+    const vec3 v = read_vector(values, type.fields[i].channels, vec3(0));
+    const FieldSource source = type.shader->fields[i].source;
+    if (source == FieldSource::position) hit.position = v;
+    if (source == FieldSource::normal) hit.normal = normalize_or(v, vec3(0));
+    if (source == FieldSource::tangent) tangent = normalize_or(v, vec3(0));
+  }
+  if (hit.normal != vec3(0)) return hit;
+  const vec3 wo = normalize_or(camera_.eye - hit.position, vec3(0, 0, 1));
+  hit.normal = normalize_or(wo - glm::dot(wo, tangent) * tangent, wo);
+  return hit;
+}
+
+void AovSamples::visit_hits(const std::function<void(const AovHit&)>& visit) const {
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      visit_pixel(x, y, [&](const float* values, float weight, vec2 film_px) {
+        if (weight > 0 && is_hit(values)) visit(make_hit(values, weight, film_px));
+      });
+    }
+  }
+}
+
+/// From the positions of some samples, spread over the picture.
+Camera AovSamples::find_camera(const std::filesystem::path& path) const {
+  constexpr size_t most_points = 20000;
+  uint64_t hits = 0;
+  visit_hits([&](const AovHit&) { ++hits; });
+  const uint64_t stride = std::max<uint64_t>(1, hits / most_points);
+  std::vector<SeenPoint> points;
+  uint64_t index = 0;
+  visit_hits([&](const AovHit& hit) {
+    if (index++ % stride != 0 || !is_coordinate(hit.position)) return;
+    points.push_back({hit.position, hit.film_px});
+  });
+  if (const auto camera = fit_camera(points, width_, height_)) return *camera;
+  throw input_error(path.string(), "the positions do not tell where the camera is",
+                    "give --proxy, a scene with the camera of the view");
 }
 
 void AovSamples::resolve(const std::string& place, const std::vector<std::string>& names,
@@ -339,7 +391,7 @@ SampleSource AovSamples::source() const {
 }
 
 bool AovSamples::append(const Type& type, const SampleType& sample_type, const float* values,
-                        TypedRows& rows, vec3 eye) const {
+                        TypedRows& rows, vec3 eye, float least_bias) const {
   const size_t start = rows.values.size();
   vec3 position(0);
   for (size_t i = 0; i < type.fields.size(); ++i) {
@@ -348,6 +400,7 @@ bool AovSamples::append(const Type& type, const SampleType& sample_type, const f
     vec3 v = read_vector(values, from.channels, from.constant);
     if (field.source == FieldSource::position) position = v;
     if (from.is_default_bias) v = vec3(surface_bias(position, position, position));
+    if (field.source == FieldSource::bias) v = glm::max(v, vec3(least_bias));
     if (from.is_roughness) v = vec3(exponent_of_roughness(v.x));
     if (field.source == FieldSource::material) {
       v = glm::clamp(v, vec3(field.low), vec3(field.high));
@@ -378,15 +431,18 @@ SampleTile AovSamples::make_tile(const ViewSampler& view, int index) const {
   tile.types.resize(view.types.types.size());
   for (TypedRows& rows : tile.types) rows.first.push_back(0);
   const size_t first_material = view.types.type_of_material.size() - types_.size();
+  const CameraRays rays(camera_, width_, height_);
   for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
     visit_pixel(tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width,
-                [&](const float* values, float weight, vec2) {
+                [&](const float* values, float weight, vec2 film_px) {
                   if (!(weight > 0) || !is_hit(values)) return;
+                  const float least_bias =
+                      casts_own_shadows_ ? splat_side(make_hit(values, weight, film_px), rays) : 0;
                   const auto type = static_cast<size_t>(find_type(values));
                   const uint16_t sample_type = view.types.type_of_material[first_material + type];
                   TypedRows& rows = tile.types[sample_type];
                   const bool is_kept = append(types_[type], view.types.types[sample_type], values,
-                                              rows, view.scene->camera.eye);
+                                              rows, view.scene->camera.eye, least_bias);
                   if (is_kept) rows.weights.push_back(weight);
                 });
     for (TypedRows& rows : tile.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));

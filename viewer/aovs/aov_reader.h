@@ -8,6 +8,14 @@
 
 namespace relume {
 
+/// A sample as a place.
+struct AovHit {
+  vec3 position;  ///< world
+  vec3 normal;    ///< unit; of strands the direction across them that faces the eye
+  vec2 film_px;   ///< pixels
+  float side_px;  ///< of the square in the picture that the sample stands for
+};
+
 /// The samples of an AOV image: one a sub-pixel, unfiltered, or those of a deep image, each with
 /// its weight. Const use is thread-safe.
 class AovSamples {
@@ -15,16 +23,23 @@ class AovSamples {
   /// Reads a deep image, or a flat one whose sides are multiples of `samples_per_side`. Throws
   /// Error(input) naming the file and the reason: a channel that is missing, values that are not
   /// finite, normals or tangents that are not unit in more than 1 of 100 samples, or coverage
-  /// between 0 and 1 (the image was filtered), positions that `camera` does not see where they are,
-  /// a position beyond max_coordinate, no samples at all, weights of a deep pixel that sum to more
-  /// than 1; Error(limit) when the values would take more than 8 GiB or a deep pixel has more than
-  /// 1024 samples.
+  /// between 0 and 1 (the image was filtered), positions that `camera` does not see where they are
+  /// (none given: one is sought that does), a position beyond max_coordinate, no samples at all,
+  /// weights of a deep pixel that sum to more than 1; Error(limit) when the values would take more
+  /// than 8 GiB or a deep pixel has more than 1024 samples.
   AovSamples(const std::filesystem::path& path, const ChannelMap& map, int samples_per_side,
-             const Camera& camera);
+             const std::optional<Camera>& camera);
 
   int width() const { return width_; }  ///< pixels
   int height() const { return height_; }
   uint64_t sample_count() const { return sample_count_; }
+  /// Of the view: the one given, or the one that sees the positions where they are.
+  const Camera& camera() const { return camera_; }
+  /// Calls visit(hit) for each sample, pixel by pixel.
+  void visit_hits(const std::function<void(const AovHit&)>& visit) const;
+  /// Shadow rays leave the square of their sample, which casts shadows itself: biases become at
+  /// least its side. Before source() is used.
+  void cast_own_shadows() { casts_own_shadows_ = true; }
   /// The most samples that a pixel may have, [1, 1024].
   int spp() const { return spp_; }
   /// One material for each type of the map, to be appended to the scene that is prepared:
@@ -65,12 +80,14 @@ class AovSamples {
                const ChannelMap& map);
   int find_type(const float* values) const;
   bool is_hit(const float* values) const;
+  AovHit make_hit(const float* values, float weight, vec2 film_px) const;
+  Camera find_camera(const std::filesystem::path& path) const;
   void check(const std::filesystem::path& path, const CameraRays& rays);
   void check_sample(const std::filesystem::path& path, const CameraRays& rays, const float* values,
                     vec2 film_px, FilterSigns& signs);
   SampleTile make_tile(const ViewSampler& view, int index) const;
   bool append(const Type& type, const SampleType& sample_type, const float* values, TypedRows& rows,
-              vec3 eye) const;
+              vec3 eye, float least_bias) const;
   int side_ = 1;  ///< sub-pixels of a pixel's side
   int width_ = 0;
   int height_ = 0;
@@ -84,6 +101,8 @@ class AovSamples {
   std::vector<uint64_t> first_;
   std::vector<float> weights_;
   int spp_ = 1;
+  Camera camera_;
+  bool casts_own_shadows_ = false;
   uint64_t sample_count_ = 0;
   Bounds bounds_;
 };

@@ -203,11 +203,11 @@ void add_prepare_command(CLI::App& app, Parsed& p) {
       ->check(CLI::Range(1, 32))
       ->capture_default_str()
       ->needs(channels);
-  CLI::Option* proxy =
-      sub.add_option("--proxy", p.prepare.proxy,
-                     "scene that gives the AOV image camera, lights and what casts the shadows")
-          ->needs(channels);
-  channels->needs(proxy);
+  sub.add_option(
+         "--proxy", p.prepare.proxy,
+         "scene that gives the AOV image camera, lights and what casts the shadows; without "
+         "it the camera follows from the positions and the samples cast the shadows")
+      ->needs(channels);
   sub.add_option("-o,--output", p.prepare.output, "cache to write")->required();
   sub.add_option("--frame-ms", p.prepare.prepare.frame_ms,
                  "choose records and format so that moving one light takes so long at most")

@@ -5,6 +5,7 @@
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
 #include "viewer/aovs/aov_reader.h"
+#include "viewer/aovs/splat_proxy.h"
 #include "viewer/commands/commands.h"
 #include "viewer/commands/json_output.h"
 #include "viewer/commands/process_memory.h"
@@ -34,7 +35,7 @@ void add_plan(const std::optional<FramePlan>& plan, const PrepareParams& params,
 /// The proxy with another renderer's samples of its view.
 struct AovInput {
   RelightInput input;
-  std::unique_ptr<const AovSamples> samples;
+  std::shared_ptr<const AovSamples> samples;
   SampleSource source;
 };
 
@@ -45,11 +46,26 @@ AovInput open_aovs(const PrepareCommandOptions& options, const CommonOptions& co
     throw Error(ErrorKind::usage,
                 "--channels: an AOV image takes no budget, time, size or --method pure");
   }
-  Scene scene = load_scene(options.proxy, shader_table(), make_terminal_progress(common.quiet));
+  const ProgressCallback progress = make_terminal_progress(common.quiet);
   const ChannelMap map = load_channel_map(options.channels, shader_table());
+  std::optional<Scene> proxy;
+  if (!options.proxy.empty()) proxy = load_scene(options.proxy, shader_table(), progress);
+  const auto samples =
+      std::make_shared<AovSamples>(options.scene, map, options.samples_per_side,
+                                   proxy ? std::optional(proxy->camera) : std::nullopt);
+  if (!proxy) {
+    const std::filesystem::path made = write_splat_proxy(*samples, options.output);
+    fmt::print(
+        stderr,
+        "relume: {}: no --proxy: the camera follows from the positions, and the samples cast "
+        "the shadows: what the view does not see casts none. Lights and camera are in {}\n",
+        options.scene, made.string());
+    samples->cast_own_shadows();
+    proxy = load_scene(made.string(), shader_table(), progress);
+  }
+  Scene scene = std::move(*proxy);
   AovInput result;
-  result.samples = std::make_unique<const AovSamples>(options.scene, map, options.samples_per_side,
-                                                      scene.camera);
+  result.samples = samples;
   result.samples->add_materials(scene);
   result.input.scene = std::make_unique<const Scene>(std::move(scene));
   result.input.tracer = std::make_unique<const Tracer>(*result.input.scene);
