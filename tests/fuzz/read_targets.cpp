@@ -15,6 +15,7 @@
 #include "core/scene/io/hair_file.h"
 #include "core/scene/io/load_scene.h"
 #include "core/scene/io/obj.h"
+#include "core/scene/io/ply_file.h"
 #include "core/shade/shaders.h"
 #include "viewer/aovs/aov_reader.h"
 #include "viewer/frames/frame_header.h"
@@ -53,11 +54,7 @@ void read_channel_map(const fs::path& path) {
 void read_obj(const fs::path& path) {
   Scene scene;
   scene.shaders.assign(shader_table().begin(), shader_table().end());
-  ObjOptions options;
-  options.lambert_shader = 0;
-  options.phong_shader = 0;
-  options.leaf_shader = 0;
-  load_obj(path, options, scene);
+  load_obj(path, {}, scene);
 }
 
 /// A material library, by an OBJ file that uses it.
@@ -81,6 +78,10 @@ void read_hair(const fs::path& path) {
 
 void read_gltf_file(const fs::path& path) {
   read_gltf(path);
+}
+
+void read_ply_file(const fs::path& path) {
+  read_ply(path);
 }
 
 void read_cache(const fs::path& path) {
@@ -119,10 +120,13 @@ constexpr ReadTarget targets[] = {
     {"session", ".json", read_session}, {"channels", ".json", read_channel_map},
     {"obj", ".obj", read_obj},          {"mtl", ".mtl", read_mtl},
     {"hair", ".hair", read_hair},       {"gltf", ".gltf", read_gltf_file},
-    {"glb", ".glb", read_gltf_file},    {"cache", ".relume", read_cache},
+    {"glb", ".glb", read_gltf_file},    {"pbrt", ".pbrt", read_scene},
+    {"ply", ".ply", read_ply_file},
+    {"cache", ".relume", read_cache},
     {"exr", ".exr", read_picture},      {"png", ".png", read_picture},
     {"jpeg", ".jpg", read_picture},     {"frame", ".exr", read_frame},
     {"aov", ".exr", read_aov},
+    {"deep", ".exr", read_aov},
 };
 
 }  // namespace

@@ -94,13 +94,12 @@ vec3 read_vector(const float* values, const std::array<int, 3>& channels, vec3 c
   return v;
 }
 
-/// A GGX lobe of width alpha about the half vector is twice as wide about the mirror direction.
 /// World units.
 float splat_side(const AovHit& hit, const CameraRays& rays) {
   return hit.side_px * rays.footprint_per_depth() * glm::distance(hit.position, rays.eye());
 }
 
-/// As glTF materials become `phong` (docs/scene-format.md).
+/// A GGX lobe of width alpha about the half vector is twice as wide about the mirror direction.
 float exponent_of_roughness(float roughness) {
   const float square = roughness * roughness;
   return 1 / std::max(2 * square * square, 1e-5f);

@@ -73,16 +73,14 @@ class MaterialReader {
     MaterialParameter parameter;
     parameter.name = field.name;
     if (value.is_object()) {
-      value.expect_keys(field.width == 1
-                            ? std::vector<std::string_view>{"texture", "scale", "srgb", "channel"}
-                            : std::vector<std::string_view>{"texture", "scale", "srgb"});
-      value.expect_keys({"texture", "scale", "srgb", "color_space"});
+      std::vector<std::string_view> keys = {"texture", "scale", "srgb", "color_space"};
+      if (field.width == 1) keys.push_back("channel");
+      value.expect_keys(keys);
       // A texture's values lie in [0, 1], so 1 is the natural factor where the range allows it.
       parameter.value = vec3(std::clamp(1.0f, field.low, field.high));
       if (const auto scale = value.find("scale")) parameter.value = read_value(*scale, field);
       bool srgb = field.width == 3 && field.kind == FieldKind::linear;
       value.read("srgb", srgb);
-      parameter.texture = read_texture(value, srgb);
       value.read("channel", parameter.channel, channel_labels);
       std::string color_space;
       value.read("color_space", color_space, max_name_length);
