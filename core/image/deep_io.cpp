@@ -10,6 +10,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/image/exr_header.h"
 
 namespace relume {
 namespace {
@@ -35,6 +36,12 @@ std::unique_ptr<OIIO::ImageInput> open_deep(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, code)) {
     throw input_error(path.string(), "cannot open: there is no such file", "check the path");
   }
+  const auto fault = find_exr_fault(MappedFile(path).bytes(), max_size_px);
+  if (fault && fault->is_too_large) {
+    throw limit_error(path.string(), fault->what,
+                      fmt::format("the limit is {0} x {0}", max_size_px));
+  }
+  if (fault) throw unreadable(path, fault->what);
   std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
   if (!input) throw unreadable(path, OIIO::geterror());
   const OIIO::ImageSpec& spec = input->spec();
@@ -168,6 +175,7 @@ void write_deep_exr(const std::filesystem::path& path, const DeepImage& image,
 bool is_deep_image(const std::filesystem::path& path) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code)) return false;
+  if (find_exr_fault(MappedFile(path).bytes(), max_size_px)) return false;
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
   if (!input) OIIO::geterror();  // told by whoever reads the file
   return input && input->spec().deep;

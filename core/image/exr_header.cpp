@@ -8,16 +8,20 @@
 #include <cstring>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace relume {
 namespace {
 
 constexpr uint32_t magic = 20000630;
 constexpr uint32_t tiled_flag = 0x200;
+constexpr uint32_t deep_flag = 0x800;
 constexpr uint32_t multipart_flag = 0x1000;
 constexpr size_t max_name_length = 255;
 constexpr int max_parts = 64;
 constexpr int max_attributes = 4096;
+/// Deflate packs a byte into no less than a thousandth.
+constexpr uint64_t most_packing = 1100;
 /// Scanlines of a chunk, by the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44,
 /// B44A, DWAA, DWAB.
 constexpr std::array<int, 10> chunk_lines = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
@@ -80,6 +84,7 @@ struct Part {
   std::array<uint32_t, 2> tile{0, 0};
   uint8_t compression = 0;
   bool is_tiled = false;
+  bool is_deep = false;
 
   int64_t width() const { return int64_t{window[2]} - window[0] + 1; }
   int64_t height() const { return int64_t{window[3]} - window[1] + 1; }
@@ -133,6 +138,10 @@ std::string read_attribute(std::string_view name, std::string_view type, Reader 
     if (part.compression >= chunk_lines.size()) {
       return fmt::format("its compression {} is none that we know", part.compression);
     }
+  } else if (name == "type" && type == "string") {
+    const auto text = value.bytes(size).value_or(std::span<const std::byte>());
+    part.is_deep |= std::string_view(reinterpret_cast<const char*>(text.data()), text.size())
+                        .starts_with("deep");
   } else if (name == "tiles" && type == "tiledesc") {
     part.is_tiled = true;
     for (uint32_t& side : part.tile) side = value.number<uint32_t>().value_or(0);
@@ -181,6 +190,25 @@ std::string read_part(Reader& reader, Part& part, bool& is_end) {
   return "its header has too many attributes";
 }
 
+/// Blocks of deep pixels say how much they hold packed and unpacked; OpenEXR takes memory for both.
+std::string check_deep_blocks(std::span<const std::byte> file, Reader offsets, int64_t chunks,
+                              bool is_multipart, bool is_tiled) {
+  for (int64_t i = 0; i < chunks; ++i) {
+    const uint64_t offset = offsets.number<uint64_t>().value_or(0);
+    if (offset == 0 || offset >= file.size()) return "blocks of its deep pixels are missing";
+    Reader block(file.subspan(offset));
+    block.bytes((is_multipart ? 4 : 0) + (is_tiled ? 16 : 4));
+    const uint64_t packed_counts = block.number<uint64_t>().value_or(~uint64_t{0});
+    const uint64_t packed_samples = block.number<uint64_t>().value_or(~uint64_t{0});
+    const uint64_t samples = block.number<uint64_t>().value_or(~uint64_t{0});
+    if (packed_counts > block.left() || packed_samples > block.left() - packed_counts ||
+        samples / most_packing > packed_samples) {
+      return "a block of its deep pixels is larger than the file can hold";
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<ExrFault> find_exr_fault(std::span<const std::byte> file, int max_size_px) {
@@ -190,9 +218,11 @@ std::optional<ExrFault> find_exr_fault(std::span<const std::byte> file, int max_
   if (first != magic || !version) return {};
   const bool is_multipart = (*version & multipart_flag) != 0;
   int64_t chunks = 0;
+  std::vector<Part> parts;
   for (int count = 0;; ++count) {
     Part part;
     part.is_tiled = (*version & tiled_flag) != 0;
+    part.is_deep = !is_multipart && (*version & deep_flag) != 0;
     bool is_end = false;
     if (count == max_parts) return ExrFault{"it has too many parts"};
     std::string fault = read_part(reader, part, is_end);
@@ -200,10 +230,19 @@ std::optional<ExrFault> find_exr_fault(std::span<const std::byte> file, int max_
     if (is_end && is_multipart && count > 0) break;
     if (auto part_fault = check_part(part, max_size_px)) return part_fault;
     chunks += count_chunks(part);
+    parts.push_back(part);
     if (!is_multipart) break;
   }
   if (static_cast<uint64_t>(chunks) * sizeof(uint64_t) > reader.left()) {
     return ExrFault{fmt::format("it is too short for its {} blocks of pixels", chunks)};
+  }
+  for (const Part& part : parts) {
+    const int64_t own = count_chunks(part);
+    if (part.is_deep) {
+      std::string fault = check_deep_blocks(file, reader, own, is_multipart, part.is_tiled);
+      if (!fault.empty()) return ExrFault{std::move(fault)};
+    }
+    reader.bytes(static_cast<size_t>(own) * sizeof(uint64_t));
   }
   return {};
 }

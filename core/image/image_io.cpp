@@ -13,8 +13,8 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/image/exr_header.h"
 #include "core/image/color_config.h"
+#include "core/image/exr_header.h"
 #include "core/math/color.h"
 #include "core/scene/io/texture_file.h"
 
