@@ -123,14 +123,14 @@ def make_scene():
     return scene
 
 
-def render_by_cycles(scene, path):
+def render_by_cycles(scene, path, samples=64):
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
-    scene.cycles.samples = 64
+    scene.cycles.samples = samples
     scene.cycles.use_denoising = False
     scene.cycles.max_bounces = 0
     scene.cycles_curves.shape = "RIBBONS"
-    scene.world = bpy.data.worlds.new("black")
+    scene.world = bpy.data.worlds.get("black") or bpy.data.worlds.new("black")
     scene.world.use_nodes = False
     scene.world.color = (0, 0, 0)
     scene.render.image_settings.file_format = "OPEN_EXR"
