@@ -75,8 +75,7 @@ FitRecord make_record(const FitPixel& pixel, const Cluster& cluster, int anchor)
   record.cone_cos = cosine;
   if (scalar >= 0) {
     record.scalar_low *= 0.6f;
-    record.scalar_high =
-        std::min(1.5f * record.scalar_high, evaluator.largest_scalar(chosen.type));
+    record.scalar_high = std::min(1.5f * record.scalar_high, evaluator.largest_scalar(chosen.type));
   }
   for (int k = 0; k < max_lobes; ++k) {
     for (int c = 0; c < 3; ++c) {
