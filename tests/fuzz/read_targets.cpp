@@ -121,12 +121,10 @@ constexpr ReadTarget targets[] = {
     {"obj", ".obj", read_obj},          {"mtl", ".mtl", read_mtl},
     {"hair", ".hair", read_hair},       {"gltf", ".gltf", read_gltf_file},
     {"glb", ".glb", read_gltf_file},    {"pbrt", ".pbrt", read_scene},
-    {"ply", ".ply", read_ply_file},
-    {"cache", ".relume", read_cache},
+    {"ply", ".ply", read_ply_file},     {"cache", ".relume", read_cache},
     {"exr", ".exr", read_picture},      {"png", ".png", read_picture},
     {"jpeg", ".jpg", read_picture},     {"frame", ".exr", read_frame},
-    {"aov", ".exr", read_aov},
-    {"deep", ".exr", read_aov},
+    {"aov", ".exr", read_aov},          {"deep", ".exr", read_aov},
 };
 
 }  // namespace
