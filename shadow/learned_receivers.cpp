@@ -7,8 +7,11 @@
 namespace relume {
 namespace {
 
-/// Cosine of view angles below which a cell on a surface is stretched no further.
+/// Cosine of view angles below which a cell on a surface is stretched no further; on strands, sine
+/// of the angle between strand and line of sight.
 constexpr double least_view_cosine = 0.1;
+/// Strands that are narrower than a cell by more count as so narrow.
+constexpr double most_narrow = 5;
 /// Part of a footprint's size by which its own surface may rise above its plane.
 constexpr double surface_slack = 0.02;
 /// Radii of spots.
@@ -29,6 +32,10 @@ constexpr double body_px = 1;
 dvec3 normalize_or_zero(dvec3 v) {
   const double length = glm::length(v);
   return length > 0 ? v / length : dvec3(0);
+}
+
+std::array<double, 6> squares_of(dvec3 d) {
+  return {d.x * d.x, d.x * d.y, d.x * d.z, d.y * d.y, d.y * d.z, d.z * d.z};
 }
 
 /// The camera as far as cells need it.
@@ -56,10 +63,13 @@ struct CellCamera {
     return pixel * std::max(glm::dot(position - eye, forward), 0.0);
   }
 
+  double cell_at(dvec3 position) const {
+    return cell * std::max(glm::dot(position - eye, forward), 0.0);
+  }
+
   /// Adds the cell at `position` to a covariance.
   void add_cell(dvec3 position, dvec3 normal, std::array<double, 6>& covariance) const {
     const dvec3 offset = position - eye;
-    const double side = cell * std::max(glm::dot(offset, forward), 0.0);
     dvec3 axes[2] = {right, up};
     const double distance = glm::length(offset);
     if (glm::dot(normal, normal) > 0 && distance > 0) {
@@ -68,12 +78,26 @@ struct CellCamera {
       const double cosine = std::copysign(std::max(std::abs(facing), least_view_cosine), facing);
       for (dvec3& axis : axes) axis -= wo * (glm::dot(normal, axis) / cosine);
     }
-    for (const dvec3& a : axes) {
-      const double variance = side * side / 12;
-      const std::array<double, 6> squares = {a.x * a.x, a.x * a.y, a.x * a.z,
-                                             a.y * a.y, a.y * a.z, a.z * a.z};
-      for (size_t i = 0; i < squares.size(); ++i) covariance[i] += variance * squares[i];
-    }
+    const double side = cell_at(position);
+    for (const dvec3& axis : axes) add_spread(side * axis, covariance);
+  }
+
+  /// Adds the part of a strand at `position` that a sample stands for to a covariance: as long as
+  /// its cell shows of it, or where it is narrower, as a piece with the cell's area. Across it
+  /// there is nothing: samples on a strand lie on its axis.
+  void add_strand_cell(dvec3 position, dvec3 tangent, double width,
+                       std::array<double, 6>& covariance) const {
+    const double side = cell_at(position);
+    const double sine = glm::length(glm::cross(normalize_or_zero(position - eye), tangent));
+    const double narrow = std::clamp(side / std::max(width, 1e-300), 1.0, most_narrow);
+    add_spread(narrow * side / std::max(sine, least_view_cosine) * tangent, covariance);
+  }
+
+ private:
+  /// Points evenly spread along `axis`.
+  static void add_spread(dvec3 axis, std::array<double, 6>& covariance) {
+    const std::array<double, 6> squares = squares_of(axis);
+    for (size_t i = 0; i < squares.size(); ++i) covariance[i] += squares[i] / 12;
   }
 };
 
@@ -84,10 +108,6 @@ struct Extent {
   dvec3 normal{0};  ///< zero on strands
   double samples = 1;
 };
-
-std::array<double, 6> squares_of(dvec3 d) {
-  return {d.x * d.x, d.x * d.y, d.x * d.z, d.y * d.y, d.y * d.z, d.z * d.z};
-}
 
 /// Adds the samples of `b` to those of `a`.
 void merge(Extent& a, const Extent& b) {
@@ -110,6 +130,7 @@ struct Spot {
   dvec3 anchor{0};         ///< its first sample
   dvec3 anchor_normal{0};  ///< as the light judges it
   dvec3 plane_normal{0};   ///< of the geometry, towards the eye; zero on strands
+  dvec3 tangent{0};        ///< of the strand; zero on surfaces and where it was not found
   uint32_t piece = no_piece;
   uint32_t receiver = 0;  ///< its first one
   double bias = 0;
@@ -218,6 +239,7 @@ class TileLearner {
       while (i < spots.size() && !is_on_piece(spots[i], spot, pixel)) ++i;
     }
     if (i == spots.size()) {
+      if (!on_surface) find_strand(spot);
       spot.has_back = on_surface && spot.lit_from_behind && has_back(spot, pixel);
       spots.push_back(spot);
     } else {
@@ -266,6 +288,20 @@ class TileLearner {
     spot.piece = geometry_.piece_at(tracer_.scene(), *point);
   }
 
+  /// Looks for the strand along the line of sight. The tracer leaves out a strand's diameter after
+  /// a ray's start.
+  void find_strand(Spot& spot) const {
+    spot.tangent = dvec3(0);
+    const dvec3 offset = spot.anchor - camera_.eye;
+    const double distance = glm::length(offset);
+    const double reach = 2 * spot.bias;
+    if (!(distance > reach)) return;
+    const dvec3 sight = offset / distance;
+    const std::optional<SurfacePoint> point = tracer_.intersect(
+        {vec3(spot.anchor - reach * sight), 0, vec3(sight), static_cast<float>(2 * reach)});
+    if (point && point->geometric_normal == vec3(0)) spot.tangent = dvec3(point->tangent);
+  }
+
   /// Whether a ray from the spot into its surface, as a light from behind would have it, soon
   /// meets its piece again.
   bool has_back(const Spot& spot, double pixel) const {
@@ -280,9 +316,17 @@ class TileLearner {
   void write(const Spot& spot) {
     const bool on_surface = spot.plane_normal != dvec3(0);
     std::array<double, 6> covariance = spot.extent.covariance;
+    // The spread of a strand, of which there are few samples, by theirs.
+    if (!on_surface && spot.extent.samples > 1) {
+      for (double& c : covariance) c *= spot.extent.samples / (spot.extent.samples - 1);
+    }
     // Rounding must not leave negative variances.
     for (const size_t i : {0, 3, 5}) covariance[i] = std::max(covariance[i], 0.0);
-    camera_.add_cell(spot.extent.mean, spot.plane_normal, covariance);
+    if (spot.tangent != dvec3(0)) {
+      camera_.add_strand_cell(spot.extent.mean, spot.tangent, spot.bias, covariance);
+    } else {
+      camera_.add_cell(spot.extent.mean, spot.plane_normal, covariance);
+    }
     const double inverse = 1 / out_.scale;
     // Onto the surface at its first sample: the mean of a bent surface's samples lies beside it.
     const dvec3 off =

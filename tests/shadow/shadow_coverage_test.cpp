@@ -379,6 +379,30 @@ TEST(Coverage, StrandsAndLeavesDoNotShadeThemselves) {
   check(leaf, 0.995);
 }
 
+TEST(Coverage, OfStraightHairIsAboutThatOfRaysToo) {
+  Scene scene = make_empty_scene(make_camera({0, 0, 5}, vec3(0), 40), 48, 48);
+  const uint32_t hair = add_material(scene, "kajiya-kay");
+  Random random(9, RandomStream::tests, 0);
+  for (int i = 0; i < 400; ++i) {
+    const vec3 out = random_direction(random);
+    add_shape(scene, make_strand(out, 1.4f * out, 0.015f, 4, hair));
+  }
+  const Tracer tracer(scene);
+  const RelightCache cache = make_full_cache(scene, tracer, 16);
+  CoverageVisibility coverage(tracer, cache);
+  const auto rays = make_shadow(ShadowMethod::ray, tracer, cache);
+  for (const vec3 place : {vec3(3, 3, 2), vec3(0, 5, 1), vec3(-4, 0.5f, 4)}) {
+    const Light light = make_point_light(place);
+    const std::vector<float> found = known_visibility(cache, coverage, light);
+    const std::vector<float> traced = known_visibility(cache, *rays, light);
+    double difference = 0;
+    for (size_t i = 0; i < found.size(); ++i) {
+      difference += static_cast<double>(std::abs(found[i] - traced[i]));
+    }
+    EXPECT_LT(difference / static_cast<double>(found.size()), 0.05) << place.x;
+  }
+}
+
 TEST(Coverage, OutsideTheConeThereIsNoWork) {
   const Scene scene = make_meadow(30);
   const Tracer tracer(scene);
