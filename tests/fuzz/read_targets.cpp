@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include "core/base/error.h"
@@ -18,6 +19,7 @@
 #include "core/scene/io/ply_file.h"
 #include "core/shade/shaders.h"
 #include "viewer/aovs/aov_reader.h"
+#include "viewer/commands/commands.h"
 #include "viewer/frames/frame_header.h"
 #include "viewer/session/session_file.h"
 
@@ -115,6 +117,17 @@ void read_aov(const fs::path& path) {
   AovSamples(path, map, 2, camera);
 }
 
+/// A command line, an argument a line.
+void read_command(const fs::path& path) {
+  std::vector<std::string> words = {"relume"};
+  std::istringstream text(text_of(path));
+  for (std::string word; std::getline(text, word);) words.push_back(word);
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  const std::string error = check_command_line(static_cast<int>(argv.size()), argv.data());
+  if (!error.empty()) throw Error(ErrorKind::input, error);
+}
+
 constexpr ReadTarget targets[] = {
     {"scene", ".json", read_scene},     {"lights", ".json", read_lights},
     {"session", ".json", read_session}, {"channels", ".json", read_channel_map},
@@ -125,6 +138,7 @@ constexpr ReadTarget targets[] = {
     {"exr", ".exr", read_picture},      {"png", ".png", read_picture},
     {"jpeg", ".jpg", read_picture},     {"frame", ".exr", read_frame},
     {"aov", ".exr", read_aov},          {"deep", ".exr", read_aov},
+    {"command", ".txt", read_command},
 };
 
 }  // namespace

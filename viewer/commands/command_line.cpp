@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
+#include <iostream>
+#include <sstream>
 
 #include "core/base/check.h"
 #include "core/base/error.h"
@@ -437,9 +439,12 @@ int run_parsed(const Parsed& parsed) {
   return code;
 }
 
-}  // namespace
+constexpr size_t longest_message = 800;  // of what cannot be parsed, in bytes
 
-int run_command_line(int argc, const char* const* argv) {
+/// Parses, then calls use(parsed); returns its exit code or tells the error and returns that one's.
+template <class Use>
+int parse_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& errors,
+                       const Use& use) {
   CLI::App app{"Relume: moves lights through final-quality hair and foliage in real time",
                "relume"};
   app.set_version_flag("--version", fmt::format("relume {} ({})", relume_version, relume_commit));
@@ -462,16 +467,34 @@ int run_command_line(int argc, const char* const* argv) {
   add_pages(app, parsed);
   try {
     app.parse(argc, argv);
-    return run_parsed(parsed);
+    return use(parsed);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorKind::usage);
+    if (error.get_exit_code() == 0) return app.exit(error, out, errors);
+    errors << printable(error.what(), longest_message)
+           << "\nRun with --help for more information.\n";
+    return static_cast<int>(ErrorKind::usage);
   } catch (const Error& error) {
-    fmt::print(stderr, "relume: {}\n", error.what());
+    errors << fmt::format("relume: {}\n", error.what());
     return error.exit_code();
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "relume: out of memory; use fewer records, samples or pixels\n");
+    errors << "relume: out of memory; use fewer records, samples or pixels\n";
     return static_cast<int>(ErrorKind::limit);
   }
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  return parse_command_line(argc, argv, std::cout, std::cerr, run_parsed);
+}
+
+std::string check_command_line(int argc, const char* const* argv) {
+  std::ostringstream out;
+  std::ostringstream errors;
+  const int code = parse_command_line(argc, argv, out, errors, [](const Parsed&) { return 0; });
+  if (code == 0) return {};
+  const std::string told = errors.str();
+  return told.substr(0, told.find('\n'));
 }
 
 }  // namespace relume

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "viewer/commands/options.h"
 
 namespace relume {
@@ -25,5 +27,8 @@ bool can_open_window();
 /// and returns its exit code: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output,
 /// 130 interrupted.
 int run_command_line(int argc, const char* const* argv);
+
+/// The same without running or printing: empty, or the error's first line.
+std::string check_command_line(int argc, const char* const* argv);
 
 }  // namespace relume
