@@ -30,6 +30,8 @@ class MappedFile {
 /// Writes a file so that readers see the old or the new one, never a part: everything goes to a
 /// temporary beside `path`; commit() flushes it to disk (fsync), renames it over `path` and syncs
 /// the folder. Without commit() the destructor removes the temporary and `path` stays as it was.
+/// Several writers of one path, threads or processes, do not disturb each other: the last one wins.
+/// The first AtomicFile of a process in a folder removes what killed writers left there.
 class AtomicFile {
  public:
   /// Throws Error(output) when the folder is missing or not writable.

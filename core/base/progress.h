@@ -19,7 +19,8 @@ using ProgressCallback =
 ProgressCallback make_terminal_progress(bool quiet);
 
 /// Makes SIGINT and SIGTERM request a clean stop instead of killing the process; a second signal
-/// kills. Process-wide.
+/// kills. A file above the user's limit (`ulimit -f`) is an error of the write and kills nothing.
+/// Process-wide.
 void install_interrupt_handler();
 
 /// True once SIGINT or SIGTERM arrived.

@@ -1,5 +1,10 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <utility>
 
 #include "core/base/file.h"
@@ -72,15 +77,65 @@ TEST(AtomicFile, FolderAsTargetIsAnOutputErrorAndLeavesNothing) {
   EXPECT_EQ(folder.entry_count(), 1u);
 }
 
-TEST(AtomicFile, FullDiskIsAnOutputError) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+/// Files may not grow beyond so many bytes while this lives.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : on_exceeded_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, on_exceeded_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  void (*on_exceeded_)(int);
+  rlimit before_{};
+};
+
+TEST(AtomicFile, WriteThatFailsHalfwayLeavesTheOldFile) {
   const TemporaryFolder folder;
-  AtomicFile file(folder.file("a.bin"));
-  std::filesystem::remove(file.temporary());
-  std::filesystem::create_symlink("/dev/full", file.temporary());
-  // The descriptor is open already; a second file of the same name now meets the full disk.
-  AtomicFile full(folder.file("a.bin"));
-  EXPECT_ERROR(full.append(as_bytes("x")), ErrorKind::output, "cannot write");
+  write_all(folder.file("a.bin"), "old");
+  const FileSizeLimit limit(4);
+  EXPECT_ERROR(write_file_atomic(folder.file("a.bin"), std::string("larger")), ErrorKind::output,
+               "cannot write");
+  EXPECT_EQ(read_all(folder.file("a.bin")), "old");
+  EXPECT_EQ(folder.entry_count(), 1u);
+}
+
+TEST(AtomicFile, WritersOfOneFileDoNotDisturbEachOther) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("a.bin");
+  AtomicFile first(path);
+  first.append(as_bytes("first"));
+  {
+    AtomicFile second(path);
+    second.append(as_bytes("the second"));
+    second.commit();
+  }
+  EXPECT_EQ(read_all(path), "the second");
+  first.commit();
+  EXPECT_EQ(read_all(path), "first");
+  EXPECT_EQ(folder.entry_count(), 1u);
+}
+
+TEST(AtomicFile, RemovesWhatKilledWritersLeftAndNothingElse) {
+  const TemporaryFolder folder;
+  const auto abandoned = folder.file("other.exr.relume-tmp-0123456789abcdef");
+  const auto alive = folder.file("a.bin.relume-tmp-fedcba9876543210");
+  const auto foreign = folder.file("a.bin.relume-tmp-notes");
+  for (const auto& path : {abandoned, alive, foreign}) write_all(path, "x");
+  const int writer = open(alive.c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(flock(writer, LOCK_EX), 0);
+  write_file_atomic(folder.file("a.bin"), std::string("new"));
+  EXPECT_FALSE(std::filesystem::exists(abandoned));
+  EXPECT_TRUE(std::filesystem::exists(alive));
+  EXPECT_TRUE(std::filesystem::exists(foreign));
+  close(writer);
 }
 
 TEST(MappedFile, ReadsTheBytes) {
