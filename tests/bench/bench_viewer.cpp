@@ -2,12 +2,13 @@
 // picture to the texture: see LiveWindow.
 //
 // Usage: bench_viewer latency [SCENE] [MOVES]
-//        bench_viewer soak [MINUTES] [SCENE]
+//        bench_viewer soak [MINUTES] [SCENE] [LIGHTS]
 //
 // latency: from an input of the mouse that moves a light to its picture on the screen, 512 x 512
 // with 3 records a pixel on average, with the percentiles of MOVES (200) moves, for some ways to
 // cast shadows. soak: MINUTES (20) of work without a pause, told in hours of a person who makes
-// an edit every 12 seconds.
+// an edit every 12 seconds. With LIGHTS the scene's lights are copied until there are so many, the
+// copies without shadows, and the picture at rest is not refined.
 
 #include <fmt/format.h>
 
@@ -155,12 +156,31 @@ void print_memory(const test::SoakFigures& figures) {
   std::fflush(stdout);
 }
 
-int run_soak(double minutes, const std::string& scene) {
+/// Copies the lights, each a little further, until there are `count`.
+void add_lights(ViewState& view, size_t count) {
+  const size_t first_count = view.lights.size();
+  for (size_t i = first_count; i < count; ++i) {
+    Light light = view.lights[i - first_count];
+    light.name = fmt::format("light {}", i + 1);
+    light.position += vec3(0.01f, 0.02f, 0.01f);
+    light.gain *= 0.9f;
+    light.casts_shadow = false;
+    view.lights.push_back(light);
+  }
+}
+
+int run_soak(double minutes, const std::string& scene, size_t light_count) {
   const test::TemporaryFolder folder;
-  const std::vector<std::string> caches{prepare_cache(scene, folder.file("bench.relume"))};
+  std::vector<std::string> caches{prepare_cache(scene, folder.file("bench.relume"))};
   Workspace workspace(open_cache, caches.front(), {.state_folder = folder.path()});
   workspace.wait(true);
   workspace.require_session();
+  if (light_count > 0) {
+    workspace.session()->view().refine = false;
+    add_lights(workspace.session()->view(), light_count);
+    caches.clear();  // opening it again would bring the scene's own lights
+    workspace.wait(true);
+  }
   LiveWindow window(workspace, frame_s);
   test::SoakParams params;
   params.seconds = 60 * minutes;
@@ -169,6 +189,7 @@ int run_soak(double minutes, const std::string& scene) {
   const test::SoakFigures figures = test::soak(window, workspace, caches, folder.path(), params);
   print_memory(figures);
   print_frames(window.times());
+  fmt::print("{} lights\n", workspace.session()->view().lights.size());
   fmt::print("{:.1f} minutes; at an edit every 12 s these are {:.1f} hours\n", timer.seconds() / 60,
              figures.edits * hours_per_edit);
   const bool grew = figures.growth() > 0.01;
@@ -181,8 +202,12 @@ int run(int count, char** arguments) {
   };
   const std::string mode = argument(1, "");
   if (mode == "latency") return run_latency(argument(2, "hair"), std::stoi(argument(3, "200")));
-  if (mode == "soak") return run_soak(std::stod(argument(2, "20")), argument(3, "hair"));
-  fmt::print(stderr, "usage: bench_viewer latency [SCENE] [MOVES] | soak [MINUTES] [SCENE]\n");
+  if (mode == "soak") {
+    return run_soak(std::stod(argument(2, "20")), argument(3, "hair"),
+                    std::stoul(argument(4, "0")));
+  }
+  fmt::print(stderr,
+             "usage: bench_viewer latency [SCENE] [MOVES] | soak [MINUTES] [SCENE] [LIGHTS]\n");
   return 2;
 }
 
