@@ -66,7 +66,7 @@ double cone_error(const Light& light, dvec3 wi, double wi_error) {
 }  // namespace
 
 ResponseBound bound_response(const SampleType& type, const float* vector, const Light& light,
-                             dvec3 eye, double scene_radius, double position_error) {
+                             dvec3 eye, double scene_radius, double position_error, int jitters) {
   const dvec3 exact = reference_response(type, vector, light, eye, scene_radius);
   const std::vector<double> v(vector, vector + type.width);
   const dvec3 p(v[0], v[1], v[2]);
@@ -78,7 +78,7 @@ ResponseBound bound_response(const SampleType& type, const float* vector, const 
   double wi_error = 0;
   double irradiance = arrival.irradiance;
   double window_error = 0;
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; i < jitters; ++i) {
     const dvec3 p_off = jitter(p, position_error, random);
     const Arrival moved = arrive(light, p_off, scene_radius);
     const dvec3 wi = jitter(moved.wi, 4e-7, random);
