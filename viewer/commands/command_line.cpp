@@ -136,14 +136,18 @@ struct Parsed {
   InfoOptions info;
   StudyOptions study;
   Command command;
+  std::function<bool()> is_shared;  ///< may be empty: it is not
 };
 
 CLI::App& add_command(CLI::App& app, Parsed& parsed, const std::string& name,
-                      const std::string& help, const std::string& examples,
-                      const Command& command) {
+                      const std::string& help, const std::string& examples, const Command& command,
+                      const std::function<bool()>& is_shared = {}) {
   CLI::App& sub = *app.add_subcommand(name, help);
   sub.footer("Examples:\n" + examples);
-  sub.callback([&parsed, command] { parsed.command = command; });
+  sub.callback([&parsed, command, is_shared] {
+    parsed.command = command;
+    parsed.is_shared = is_shared;
+  });
   add_common(sub, parsed.common);
   return sub;
 }
@@ -185,13 +189,15 @@ void add_view(CLI::App& app, Parsed& p) {
 }
 
 void add_prepare_command(CLI::App& app, Parsed& p) {
-  CLI::App& sub = add_command(app, p, "prepare", "Sample and reduce a scene into a .relume cache",
-                              "  relume prepare hair -o hair.relume --records 4\n"
-                              "  relume prepare hair -o hair.relume --frame-ms 10\n"
-                              "  relume prepare hair -o hair.relume --target-error 0.02\n"
-                              "  relume prepare aovs.exr --channels cycles --samples 5 --proxy "
-                              "tree.json -o tree.relume",
-                              [&p] { return run_prepare(p.prepare, p.common); });
+  CLI::App& sub = add_command(
+      app, p, "prepare", "Sample and reduce a scene into a .relume cache",
+      "  relume prepare hair -o hair.relume --records 4\n"
+      "  relume prepare hair -o hair.relume --frame-ms 10\n"
+      "  relume prepare hair -o hair.relume --target-error 0.02\n"
+      "  relume prepare aovs.exr --channels cycles --samples 5 --proxy "
+      "tree.json -o tree.relume",
+      [&p] { return run_prepare(p.prepare, p.common); },
+      [&p] { return shares_prepare(p.prepare); });
   sub.add_option("scene", p.prepare.scene,
                  "scene label or file; with --channels an AOV image (EXR)")
       ->required();
@@ -241,7 +247,7 @@ void add_render(CLI::App& app, Parsed& p) {
       "  relume render hair -o frame.exr\n  relume render hair.relume --lights night.json -o "
       "night.png\n  relume render hair --reference -o reference.exr\n  relume render hair --lights "
       "turn.json --frames 1-96 -o turn.####.exr",
-      [&p] { return run_render(p.render, p.common); });
+      [&p] { return run_render(p.render, p.common); }, [&p] { return shares_render(p.render); });
   RenderOptions& o = p.render;
   sub.add_option("input", o.input, "scene label, scene file or .relume cache")->required();
   sub.add_option("-o,--output", o.output, "picture to write: .exr or .png")->required();
@@ -342,7 +348,7 @@ void add_study(CLI::App& app, Parsed& p) {
       app, p, "study", "Measure speed against accuracy over methods, scenes and budgets",
       "  relume study all --quick -o out\n  relume study methods scenes/real/fur.json --methods "
       "kmeans strong-kmeans light-fit -o out",
-      [&p] { return run_study(p.study, p.common); });
+      [&p] { return run_study(p.study, p.common); }, [&p] { return shares_study(p.study); });
   StudyOptions& o = p.study;
   std::string studies = "one of";
   for (const StudyName& study : study_names) {
@@ -431,7 +437,24 @@ void add_pages(CLI::App& app, Parsed& p) {
               });
 }
 
-int run_parsed(const Parsed& parsed) {
+/// Settles who does the command. False: another process does all of it.
+bool takes_part(Parsed& parsed, const Team& team) {
+  if (team.is_alone()) return true;
+  const bool is_shared = parsed.is_shared && parsed.is_shared();
+  if (is_shared) {
+    parsed.common.team = team;
+    if (parsed.common.threads == 0) parsed.common.threads = share_of_processors(team);
+    if (team.rank > 0) parsed.common.quiet = true;
+    return true;
+  }
+  if (team.rank == 0) {
+    fmt::print(stderr, "relume: {} processes, but nothing here to share: one does it\n", team.size);
+  }
+  return team.rank == 0;
+}
+
+int run_parsed(Parsed& parsed, const Team& team) {
+  if (!takes_part(parsed, team)) return 0;
   set_thread_count(parsed.common.threads);
   install_interrupt_handler();
   const int code = parsed.command();
@@ -465,16 +488,23 @@ int parse_command_line(int argc, const char* const* argv, std::ostream& out, std
   add_info(app, parsed);
   add_study(app, parsed);
   add_pages(app, parsed);
+  for (int i = 1; i < argc; ++i) {
+    parsed.common.command_line += printable(argv[i], 1 << 12) + '\n';
+  }
+  Team team;
   try {
+    team = team_from_environment();
+    listen_only(team);
     app.parse(argc, argv);
-    return use(parsed);
+    return use(parsed, team);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error, out, errors);
     errors << printable(error.what(), longest_message)
            << "\nRun with --help for more information.\n";
     return static_cast<int>(ErrorKind::usage);
   } catch (const Error& error) {
-    errors << fmt::format("relume: {}\n", error.what());
+    const std::string rank = team.rank > 0 ? fmt::format("rank {}: ", team.rank) : "";
+    errors << fmt::format("relume: {}{}\n", rank, error.what());
     return error.exit_code();
   } catch (const std::bad_alloc&) {
     errors << "relume: out of memory; use fewer records, samples or pixels\n";
@@ -491,7 +521,8 @@ int run_command_line(int argc, const char* const* argv) {
 std::string check_command_line(int argc, const char* const* argv) {
   std::ostringstream out;
   std::ostringstream errors;
-  const int code = parse_command_line(argc, argv, out, errors, [](const Parsed&) { return 0; });
+  const int code =
+      parse_command_line(argc, argv, out, errors, [](const Parsed&, const Team&) { return 0; });
   if (code == 0) return {};
   const std::string told = errors.str();
   return told.substr(0, told.find('\n'));

@@ -20,6 +20,15 @@ int run_bench(const BenchOptions& options, const CommonOptions& common);
 int run_info(const InfoOptions& options, const CommonOptions& common);
 int run_study(const StudyOptions& options, const CommonOptions& common);
 
+// What processes of one launcher share; all other commands are run by one of them.
+
+/// Tiles: of a scene, with records that are not chosen by measured times.
+bool shares_prepare(const PrepareCommandOptions& options);
+/// Frames of a range.
+bool shares_render(const RenderOptions& options);
+/// Trials: of studies that are about errors alone.
+bool shares_study(const StudyOptions& options);
+
 /// True when this build has a window and a display is there.
 bool can_open_window();
 

@@ -10,6 +10,7 @@
 #include "reduction/reduction.h"
 #include "shadow/shadow.h"
 #include "viewer/commands/frame_range.h"
+#include "viewer/farm/team.h"
 #include "viewer/frames/frame_recipe.h"
 #include "viewer/session/prepare_options.h"
 
@@ -23,7 +24,9 @@ struct CommonOptions {
   uint64_t seed = 0;
   bool quiet = false;
   bool verbose = false;
-  bool json = false;  ///< print figures as JSON on stdout
+  bool json = false;           ///< print figures as JSON on stdout
+  Team team{};                 ///< processes that share this command's work
+  std::string command_line{};  ///< as it was given, without the program
 };
 
 struct DemoOptions {

@@ -10,6 +10,8 @@
 #include "viewer/commands/json_output.h"
 #include "viewer/commands/process_memory.h"
 #include "viewer/commands/relight_input.h"
+#include "viewer/commands/work_settings.h"
+#include "viewer/farm/shared_work.h"
 
 namespace relume {
 namespace {
@@ -76,7 +78,25 @@ AovInput open_aovs(const PrepareCommandOptions& options, const CommonOptions& co
   return result;
 }
 
+/// Alone, or with the other processes of the launcher. False for those that leave the rest to the
+/// first.
+bool make_cache(const PrepareCommandOptions& options, const CommonOptions& common,
+                const PrepareParams& params, const RelightInput& input, PrepareStats& stats) {
+  const ProgressCallback progress = make_terminal_progress(common.quiet);
+  if (!shares_prepare(options) || !is_shared(options.output, common.team)) {
+    prepare_to_file(*input.scene, *input.tracer, params, options.output, progress, &stats);
+    return true;
+  }
+  SharedWork work(work_folder(options.output), describe_work(common, *input.scene), common.team);
+  prepare_together(*input.scene, *input.tracer, params, options.output, work, progress, &stats);
+  return common.team.rank == 0;
+}
+
 }  // namespace
+
+bool shares_prepare(const PrepareCommandOptions& options) {
+  return options.channels.empty() && !(options.prepare.frame_ms > 0);
+}
 
 int run_prepare(const PrepareCommandOptions& options, const CommonOptions& common) {
   const Timer timer;
@@ -89,8 +109,7 @@ int run_prepare(const PrepareCommandOptions& options, const CommonOptions& commo
   const RelightInput input =
       params.source ? std::move(aovs.input) : open_scene(options.scene, common);
   PrepareStats stats;
-  prepare_to_file(*input.scene, *input.tracer, params, options.output,
-                  make_terminal_progress(common.quiet), &stats);
+  if (!make_cache(options, common, params, input, stats)) return 0;
   const double prepare_ms = timer.ms();
   const uint64_t peak_bytes = peak_memory_bytes();
   const RelightCache cache = RelightCache::open(options.output, shader_table());
@@ -106,15 +125,18 @@ int run_prepare(const PrepareCommandOptions& options, const CommonOptions& commo
       {"height", int64_t{info.height}},
       {"ms_prepare", prepare_ms},
       {"ms_tracer", input.tracer->stats().build_ms},
-      {"thread_ms_sample", stats.sample_ms},
-      {"thread_ms_reduce", stats.reduce_ms},
-      {"thread_ms_pack", stats.pack_ms},
       {"sample_count", static_cast<int64_t>(info.sample_count)},
       {"record_count", static_cast<int64_t>(info.record_count)},
       {"cache_bytes", static_cast<int64_t>(cache.size_bytes())},
       {"bytes_per_record", stored / static_cast<double>(std::max<uint64_t>(1, info.record_count))},
       {"peak_bytes", static_cast<int64_t>(peak_bytes)},
       {"peak_over_stored", static_cast<double>(peak_bytes) / stored}};
+  // Processes that leave the end to another do not know what all of them took.
+  if (stats.samples > 0) {
+    figures.push_back({"thread_ms_sample", stats.sample_ms});
+    figures.push_back({"thread_ms_reduce", stats.reduce_ms});
+    figures.push_back({"thread_ms_pack", stats.pack_ms});
+  }
   add_plan(stats.plan, params, input, cache, figures);
   print_figures("relume-prepare-1", common, {figures});
   return 0;

@@ -3,11 +3,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
+#include <cstring>
+
+#include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/label.h"
 #include "core/base/timer.h"
 #include "core/scene/io/load_light_animations.h"
 #include "core/scene/io/load_scene.h"
+#include "viewer/commands/commands.h"
 #include "viewer/commands/json_output.h"
+#include "viewer/commands/work_settings.h"
+#include "viewer/farm/shared_work.h"
 #include "viewer/frames/finished_frame.h"
 #include "viewer/session/save_frame.h"
 
@@ -39,13 +47,27 @@ AnimatedLights load_animated_lights(const RenderOptions& options, const CacheInf
 }
 
 enum class FrameFate { rendered, kept, failed };
+constexpr std::array frame_fate_labels = {
+    Label<FrameFate>{FrameFate::rendered, "rendered"},
+    Label<FrameFate>{FrameFate::kept, "kept"},
+    Label<FrameFate>{FrameFate::failed, "failed"},
+};
 
-/// Frames of one picture, one after the other.
+/// What came of a frame.
+struct FrameOutcome {
+  FrameFate fate = FrameFate::failed;
+  int exit_code = 0;  ///< of a failure
+  double ms = 0;
+};
+static_assert(std::is_trivially_copyable_v<FrameOutcome>);
+
+/// Makes frames of one picture, one after the other.
 class FrameMaker {
  public:
   FrameMaker(const RenderOptions& options, const RelightInput& input)
       : options_(options),
         cache_(*input.cache),
+        animated_(load_animated_lights(options, cache_.info())),
         shadows_(input.tracer ? make_shadow(options.shadow, *input.tracer, cache_) : nullptr),
         recipe_{.shadow = options.shadow,
                 .shadows = shadows_.get(),
@@ -54,7 +76,30 @@ class FrameMaker {
                 .aovs = options.aovs},
         state_(make_relight_state(cache_)) {}
 
-  FrameFate make(const std::vector<Light>& lights, const std::filesystem::path& path) {
+  /// A failure is told and does not keep others from being made. Throws Error(cancelled).
+  FrameOutcome make(int frame) {
+    if (interrupted()) {
+      throw Error(
+          ErrorKind::cancelled,
+          fmt::format("interrupted before frame {}; the same command goes on there", frame));
+    }
+    const Timer timer;
+    FrameOutcome outcome;
+    try {
+      outcome.fate =
+          render(lights_at(animated_.lights, animated_.animations, static_cast<float>(frame)),
+                 frame_path(options_.output, frame));
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::cancelled) throw;
+      fmt::print(stderr, "relume: frame {}: {}\n", frame, error.what());
+      outcome.exit_code = error.exit_code();
+    }
+    outcome.ms = timer.ms();
+    return outcome;
+  }
+
+ private:
+  FrameFate render(const std::vector<Light>& lights, const std::filesystem::path& path) {
     const CacheInfo& info = cache_.info();
     if (is_finished_frame(path, info.width, info.height,
                           make_frame_metadata(cache_, lights, recipe_))) {
@@ -65,47 +110,84 @@ class FrameMaker {
     return FrameFate::rendered;
   }
 
- private:
   const RenderOptions& options_;
   const RelightCache& cache_;
+  AnimatedLights animated_;
   std::unique_ptr<VisibilitySource> shadows_;
   FrameRecipe recipe_;
   RelightState state_;
 };
 
-/// What came of the frames.
-class FrameLog {
- public:
-  void add(int frame, const std::filesystem::path& path, FrameFate fate, double ms) {
-    constexpr std::array names = {"rendered", "kept", "failed"};
-    rows_.push_back({{"frame", int64_t{frame}},
-                     {"output", path.string()},
-                     {"fate", names[static_cast<size_t>(fate)]},
-                     {"ms", ms}});
+/// All frames, in their order.
+std::vector<FrameOutcome> make_frames(FrameMaker& maker, FrameRange range,
+                                      const CommonOptions& common) {
+  Progress progress(make_terminal_progress(common.quiet), "frames");
+  std::vector<FrameOutcome> outcomes;
+  for (int frame = range.first; frame <= range.last; ++frame) {
+    outcomes.push_back(maker.make(frame));
+    if (!interrupted()) progress.update(frame - range.first + 1, range.count());
   }
+  return outcomes;
+}
 
-  void add_failure(int frame, const Error& error) {
-    fmt::print(stderr, "relume: frame {}: {}\n", frame, error.what());
-    if (failed_.empty()) exit_code_ = error.exit_code();
-    failed_.push_back(frame);
+/// The same, with the other processes of the launcher.
+std::vector<FrameOutcome> make_frames_together(FrameMaker& maker, FrameRange range,
+                                               SharedWork& work, const CommonOptions& common) {
+  const auto make = [&](size_t i) {
+    const FrameOutcome outcome = maker.make(range.first + static_cast<int>(i));
+    const auto bytes = std::as_bytes(std::span(&outcome, 1));
+    return SharedWork::Bytes(bytes.begin(), bytes.end());
+  };
+  std::vector<FrameOutcome> outcomes(static_cast<size_t>(range.count()));
+  const int stage =
+      work.complete("frames", outcomes.size(), make, make_terminal_progress(common.quiet));
+  for (size_t i = 0; i < outcomes.size(); ++i) {
+    const SharedWork::Bytes bytes = work.result(stage, i);
+    CHECK_MSG(bytes.size() == sizeof(FrameOutcome), "{}", bytes.size());
+    std::memcpy(&outcomes[i], bytes.data(), bytes.size());
   }
+  work.finish([] {});
+  return outcomes;
+}
 
-  int finish(const CommonOptions& common) const {
-    print_figures("relume-render-frames-1", common, rows_);
-    if (!failed_.empty()) {
-      fmt::print(stderr, "relume: {} of {} frames failed: {}\n", failed_.size(), rows_.size(),
-                 fmt::join(failed_, ", "));
-    }
-    return exit_code_;
+/// What the frames depend on beside their own attributes, which a finished frame is known by.
+std::string describe_frames(const RenderOptions& options, const RelightInput& input,
+                            const CommonOptions& common) {
+  const std::string lights =
+      options.lights ? read_text_file(*options.lights, max_light_file_bytes) : std::string();
+  return fmt::format("program {}\ncommand {}\ncache {:016x}\nlights {}\n", hash_program(),
+                     common.command_line, input.cache->hash(), lights);
+}
+
+/// Prints a row a frame; the exit code.
+int print_outcomes(const RenderOptions& options, std::span<const FrameOutcome> outcomes,
+                   const CommonOptions& common) {
+  std::vector<FigureRow> rows;
+  std::vector<int> failed;
+  int exit_code = 0;
+  for (size_t i = 0; i < outcomes.size(); ++i) {
+    const int frame = options.frames->first + static_cast<int>(i);
+    rows.push_back({{"frame", int64_t{frame}},
+                    {"output", frame_path(options.output, frame).string()},
+                    {"fate", std::string(label_of(frame_fate_labels, outcomes[i].fate))},
+                    {"ms", outcomes[i].ms}});
+    if (outcomes[i].fate != FrameFate::failed) continue;
+    if (failed.empty()) exit_code = outcomes[i].exit_code;
+    failed.push_back(frame);
   }
-
- private:
-  std::vector<FigureRow> rows_;
-  std::vector<int> failed_;
-  int exit_code_ = 0;
-};
+  print_figures("relume-render-frames-1", common, rows);
+  if (!failed.empty()) {
+    fmt::print(stderr, "relume: {} of {} frames failed: {}\n", failed.size(), rows.size(),
+               fmt::join(failed, ", "));
+  }
+  return exit_code;
+}
 
 }  // namespace
+
+bool shares_render(const RenderOptions& options) {
+  return options.frames.has_value();
+}
 
 void check_can_render_frames(const RenderOptions& options) {
   frame_path(options.output, options.frames->first);
@@ -118,31 +200,16 @@ void check_can_render_frames(const RenderOptions& options) {
 
 int render_frames(const RenderOptions& options, const RelightInput& input,
                   const CommonOptions& common) {
-  const AnimatedLights animated = load_animated_lights(options, input.cache->info());
   FrameMaker maker(options, input);
-  FrameLog log;
-  Progress progress(make_terminal_progress(common.quiet), "frames");
   const FrameRange range = *options.frames;
-  for (int frame = range.first; frame <= range.last; ++frame) {
-    if (interrupted()) {
-      throw Error(
-          ErrorKind::cancelled,
-          fmt::format("interrupted before frame {}; the same command goes on there", frame));
-    }
-    const Timer timer;
-    const std::filesystem::path path = frame_path(options.output, frame);
-    FrameFate fate = FrameFate::failed;
-    try {
-      fate = maker.make(lights_at(animated.lights, animated.animations, static_cast<float>(frame)),
-                        path);
-    } catch (const Error& error) {
-      if (error.kind() == ErrorKind::cancelled) throw;
-      log.add_failure(frame, error);
-    }
-    log.add(frame, path, fate, timer.ms());
-    if (!interrupted()) progress.update(frame - range.first + 1, range.count());
+  if (!is_shared(options.output, common.team)) {
+    return print_outcomes(options, make_frames(maker, range, common), common);
   }
-  return log.finish(common);
+  SharedWork work(work_folder(options.output), describe_frames(options, input, common),
+                  common.team);
+  const auto outcomes = make_frames_together(maker, range, work, common);
+  // The others have told what failed, frame by frame.
+  return common.team.rank == 0 ? print_outcomes(options, outcomes, common) : 0;
 }
 
 }  // namespace relume

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/scene/io/load_scene.h"
@@ -12,6 +15,8 @@
 #include "viewer/commands/study_shadows.h"
 #include "viewer/commands/study_stability.h"
 #include "viewer/commands/study_tradeoff.h"
+#include "viewer/commands/work_settings.h"
+#include "viewer/farm/shared_work.h"
 
 namespace relume {
 namespace {
@@ -29,17 +34,6 @@ std::string list_labels(const std::vector<E>& values, const std::array<Label<E>,
   std::string text;
   for (const E value : values) text += std::string(label_of(labels, value)) + " ";
   return text;
-}
-
-/// The program itself: figures of another build are not taken over.
-std::string hash_program() {
-  try {
-    const MappedFile file("/proc/self/exe");
-    const auto bytes = file.bytes();
-    return hash_text({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  } catch (const Error&) {
-    return "unknown";
-  }
 }
 
 /// All that a study's figures depend on, as text.
@@ -69,28 +63,39 @@ StudyResult measure(const StudyOptions& options, const CommonOptions& common, Tr
   return run_method_study(options, common, log);
 }
 
+TrialLog open_log(const StudyOptions& options, const CommonOptions& common) {
+  if (!options.output) return {};
+  const std::filesystem::path log = *options.output / (options.name + ".trials");
+  const std::string settings = describe_settings(options, common);
+  if (!shares_study(options) || !is_shared(log, common.team)) return {log, settings};
+  return {log, settings, std::make_unique<SharedWork>(work_folder(log), settings, common.team)};
+}
+
 void run_one(StudyOptions options, const CommonOptions& common) {
   if (options.page_only) {
     if (!options.output) throw Error(ErrorKind::usage, "--page-only needs -o FOLDER");
     return write_study_page(*options.output, options.name);
   }
   if (options.scenes.empty()) options.scenes = own_scenes(options.name);
-  TrialLog log;
-  if (options.output) {
-    log =
-        TrialLog(*options.output / (options.name + ".trials"), describe_settings(options, common));
-    if (log.resumed() > 0 && !common.quiet) {
-      fmt::print(stderr, "{}: goes on after {} parts of an earlier run\n", options.name,
-                 log.resumed());
-    }
+  TrialLog log = open_log(options, common);
+  if (log.resumed() > 0 && !common.quiet) {
+    fmt::print(stderr, "{}: goes on after {} parts of an earlier run\n", options.name,
+               log.resumed());
   }
   const StudyResult result = measure(options, common, log);
   if (common.json) fmt::print("{}", format_study(result, common));
-  if (options.output) write_study(*options.output, result, common);
-  log.remove();
+  log.finish([&] {
+    if (options.output) write_study(*options.output, result, common);
+  });
 }
 
 }  // namespace
+
+bool shares_study(const StudyOptions& options) {
+  constexpr std::array shared = {"methods", "rates", "lights", "stability"};
+  return options.output && !options.timed && !options.page_only &&
+         std::ranges::find(shared, options.name) != shared.end();
+}
 
 int run_study(const StudyOptions& options, const CommonOptions& common) {
   if (options.output) make_folder(*options.output);

@@ -1,5 +1,6 @@
 #include "viewer/session/prepare.h"
 
+#include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
 #include "core/samples/cache_writer.h"
@@ -8,12 +9,16 @@
 #include "core/shade/shaders.h"
 #include "viewer/session/method_training.h"
 #include "viewer/session/record_planning.h"
+#include "viewer/session/tile_parts.h"
 
 namespace relume {
 namespace {
 
 /// Tiles in flight at a time: enough to feed many threads, few enough to stay small in memory.
 constexpr size_t batch_tiles = 128;
+
+/// Tiles that one of several processes makes before it looks what is left to do.
+constexpr size_t part_tiles = 64;
 
 /// Where the batches spend their time, summed over threads.
 struct StageClock {
@@ -97,52 +102,87 @@ ViewSampler view_of(const Scene& scene, const Tracer& tracer, const PrepareParam
                            pure ? params.reduction.records : params.spp, params.reduction.seed);
 }
 
-void prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
-             CacheWriter& writer, const ProgressCallback& callback, PrepareStats* stats) {
-  ReductionParams reduction = reduction_in(tracer, params);
-  const ViewSampler view = view_of(scene, tracer, params);
-  CacheInfo info = make_info(scene, view, params, bounds_of(tracer, params));
-  CacheFormat format = params.format.value_or(CacheFormat::exact);
+/// All that making a cache's tiles takes, decided.
+struct Plan {
+  ViewSampler view;
+  ReductionParams reduction;
+  CacheInfo info;
+  CacheFormat format = CacheFormat::exact;
+  std::unique_ptr<const MethodLights> lights;
+
+  size_t tiles() const { return static_cast<size_t>(tile_count(view)); }
+};
+
+Plan make_plan(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+               const ProgressCallback& callback, PrepareStats& stats) {
+  Plan plan{view_of(scene, tracer, params), reduction_in(tracer, params), {}, {}, nullptr};
+  plan.info = make_info(scene, plan.view, params, bounds_of(tracer, params));
+  plan.format = params.format.value_or(CacheFormat::exact);
+  ReductionParams& reduction = plan.reduction;
   if (const FrameGoal goal = goal_of(params); goal.is_set()) {
-    const FramePlan plan =
-        choose_plan(forecast_frames(scene, view, reduction, params.training, goal, callback), goal);
-    reduction.record_cost = plan.record_cost;
-    format = plan.format;
-    if (goal.frame_ms > 0) info.average_records = static_cast<float>(plan.average_records);
-    if (stats != nullptr) stats->plan = plan;
+    const FramePlan frames = choose_plan(
+        forecast_frames(scene, plan.view, reduction, params.training, goal, callback), goal);
+    reduction.record_cost = frames.record_cost;
+    plan.format = frames.format;
+    if (goal.frame_ms > 0) plan.info.average_records = static_cast<float>(frames.average_records);
+    stats.plan = frames;
   } else if (params.record_cost > 0) {
     reduction.record_cost = params.record_cost;
   } else if (params.budget.is_set()) {
     reduction.record_cost =
-        plan_records(scene, view, reduction, params.training, params.budget, callback).record_cost;
+        plan_records(scene, plan.view, reduction, params.training, params.budget, callback)
+            .record_cost;
   }
-  const auto lights = make_method_lights(scene, view, reduction, params.training);
-  const auto tiles = static_cast<size_t>(tile_count(view));
-  Progress progress(callback, "prepare " + scene.name);
+  plan.lights = make_method_lights(scene, plan.view, reduction, params.training);
+  return plan;
+}
+
+/// Tiles [first, first + count).
+TilePart make_part(const Plan& plan, const PrepareParams& params, size_t first, size_t count) {
   StageClock clock;
-  std::vector<PackedTileData> batch;
-  for (size_t first = 0; first < tiles; first += batch_tiles) {
-    const size_t count = std::min(batch_tiles, tiles - first);
-    batch.assign(count, {});
-    parallel_for(count, 1, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        batch[i] = prepare_tile(view, reduction, lights->lights(), params, format,
-                                static_cast<int>(first + i), clock);
-      }
-    });
-    for (const PackedTileData& tile : batch) {
-      writer.add(tile);
-      if (stats != nullptr) stats->records += tile.record_count;
+  TilePart part;
+  part.tiles.resize(count);
+  parallel_for(count, 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      part.tiles[i] = prepare_tile(plan.view, plan.reduction, plan.lights->lights(), params,
+                                   plan.format, static_cast<int>(first + i), clock);
     }
-    progress.update(static_cast<double>(first + count), static_cast<double>(tiles));
+  });
+  part.samples = clock.samples;
+  part.sample_ms = static_cast<double>(clock.sample_us) * 1e-3;
+  part.reduce_ms = static_cast<double>(clock.reduce_us) * 1e-3;
+  part.pack_ms = static_cast<double>(clock.pack_us) * 1e-3;
+  return part;
+}
+
+void write_part(const TilePart& part, CacheWriter& writer, PrepareStats& stats) {
+  for (const PackedTileData& tile : part.tiles) {
+    writer.add(tile);
+    stats.records += tile.record_count;
   }
-  info.sample_count = clock.samples;
-  writer.finish(info);
-  if (stats == nullptr) return;
-  stats->sample_ms = static_cast<double>(clock.sample_us) * 1e-3;
-  stats->reduce_ms = static_cast<double>(clock.reduce_us) * 1e-3;
-  stats->pack_ms = static_cast<double>(clock.pack_us) * 1e-3;
-  stats->samples = clock.samples;
+  stats.samples += part.samples;
+  stats.sample_ms += part.sample_ms;
+  stats.reduce_ms += part.reduce_ms;
+  stats.pack_ms += part.pack_ms;
+}
+
+void finish_cache(Plan& plan, CacheWriter& writer, const PrepareStats& stats) {
+  plan.info.sample_count = stats.samples;
+  writer.finish(plan.info);
+}
+
+PrepareStats prepare(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+                     CacheWriter& writer, const ProgressCallback& callback) {
+  PrepareStats stats;
+  Plan plan = make_plan(scene, tracer, params, callback, stats);
+  Progress progress(callback, "prepare " + scene.name);
+  for (size_t first = 0; first < plan.tiles(); first += batch_tiles) {
+    const size_t count = std::min(batch_tiles, plan.tiles() - first);
+    write_part(make_part(plan, params, first, count), writer, stats);
+    progress.update(static_cast<double>(first + count), static_cast<double>(plan.tiles()));
+  }
+  finish_cache(plan, writer, stats);
+  return stats;
 }
 
 }  // namespace
@@ -159,7 +199,8 @@ RelightCache prepare_in_memory(const Scene& scene, const Tracer& tracer,
                                const PrepareParams& params, const ProgressCallback& progress,
                                PrepareStats* stats) {
   CacheWriter writer;
-  prepare(scene, tracer, params, writer, progress, stats);
+  const PrepareStats taken = prepare(scene, tracer, params, writer, progress);
+  if (stats != nullptr) *stats = taken;
   return RelightCache::from_bytes(writer.take_bytes(), shader_table(), scene.name);
 }
 
@@ -167,7 +208,30 @@ void prepare_to_file(const Scene& scene, const Tracer& tracer, const PreparePara
                      const std::filesystem::path& path, const ProgressCallback& progress,
                      PrepareStats* stats) {
   CacheWriter writer(path);
-  prepare(scene, tracer, params, writer, progress, stats);
+  const PrepareStats taken = prepare(scene, tracer, params, writer, progress);
+  if (stats != nullptr) *stats = taken;
+}
+
+void prepare_together(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+                      const std::filesystem::path& path, SharedWork& work,
+                      const ProgressCallback& progress, PrepareStats* stats) {
+  CHECK(params.frame_ms == 0 && !params.on_tile);
+  PrepareStats taken;
+  Plan plan = make_plan(scene, tracer, params, progress, taken);
+  const size_t parts = (plan.tiles() + part_tiles - 1) / part_tiles;
+  const auto make = [&](size_t part) {
+    const size_t first = part * part_tiles;
+    return to_bytes(make_part(plan, params, first, std::min(part_tiles, plan.tiles() - first)));
+  };
+  const int stage = work.complete("prepare " + scene.name, parts, make, progress);
+  work.finish([&] {
+    CacheWriter writer(path);
+    for (size_t part = 0; part < parts; ++part) {
+      write_part(read_tile_part(work.result(stage, part), path.string()), writer, taken);
+    }
+    finish_cache(plan, writer, taken);
+  });
+  if (stats != nullptr) *stats = taken;
 }
 
 }  // namespace relume

@@ -11,6 +11,7 @@
 #include "reduction/budget.h"
 #include "reduction/reduction.h"
 #include "reduction/training.h"
+#include "viewer/farm/shared_work.h"
 #include "viewer/session/frame_planning.h"
 
 namespace relume {
@@ -65,5 +66,11 @@ RelightCache prepare_in_memory(const Scene& scene, const Tracer& tracer,
 void prepare_to_file(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
                      const std::filesystem::path& path, const ProgressCallback& progress,
                      PrepareStats* stats = nullptr);
+
+/// The same bytes, made together with all processes of `work`; returns when the file is there. The
+/// stages are counted over all of them. Not for frame_ms, which is measured, nor on_tile.
+void prepare_together(const Scene& scene, const Tracer& tracer, const PrepareParams& params,
+                      const std::filesystem::path& path, SharedWork& work,
+                      const ProgressCallback& progress, PrepareStats* stats = nullptr);
 
 }  // namespace relume

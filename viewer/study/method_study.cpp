@@ -278,26 +278,22 @@ std::vector<int> choose_tiles(const Setting& setting) {
 
 BatchSums measure_all(const Setting& setting, TrialLog& log, const ProgressCallback& callback) {
   const std::vector<int> tiles = choose_tiles(setting);
-  std::vector<Runner> runners;  // made when the first batch needs them
-  BatchSums total(setting.params);
-  Progress progress(callback, "study " + setting.scene.name);
-  size_t resumed = 0;
+  std::vector<std::string> keys;
   for (size_t first = 0; first < tiles.size(); first += batch_tiles) {
-    const size_t count = std::min(batch_tiles, tiles.size() - first);
-    const std::string key = fmt::format("{} tiles from {}", setting.scene.name, first);
-    if (const std::vector<double>* known = log.find(key)) {
-      total.add(*known);
-      resumed = first + count;
-      continue;
-    }
+    keys.push_back(fmt::format("{} tiles from {}", setting.scene.name, first));
+  }
+  std::vector<Runner> runners;  // made when the first batch needs them
+  const auto measure = [&](size_t batch) {
     for (size_t i = runners.size(); i < setting.params.trials.size(); ++i) {
       runners.push_back(make_runner(setting, setting.params.trials[i], callback));
     }
-    total.add(log.add(
-        key, measure_batch(setting, runners, std::span(tiles).subspan(first, count)).values()));
-    progress.update(static_cast<double>(first + count - resumed),
-                    static_cast<double>(tiles.size() - resumed));
-  }
+    const size_t first = batch * batch_tiles;
+    const auto part = std::span(tiles).subspan(first, std::min(batch_tiles, tiles.size() - first));
+    return measure_batch(setting, runners, part).values();
+  };
+  log.complete("study " + setting.scene.name, keys, measure, callback);
+  BatchSums total(setting.params);
+  for (const std::string& key : keys) total.add(*log.find(key));
   return total;
 }
 

@@ -218,22 +218,23 @@ Scene make_extreme_scene(const Scene& scene, const Bounds& bounds, Extreme extre
 std::vector<StabilityFigure> study_stability(const Scene& scene, const Tracer& tracer,
                                              const StabilityParams& params, TrialLog& log,
                                              const ProgressCallback& callback) {
-  std::vector<StabilityFigure> figures;
-  Progress progress(callback, "stability " + scene.name);
-  double done = 0;
+  std::vector<ExtremeCase> applying;
+  std::vector<std::string> keys;
   for (const ExtremeCase& extreme : cases) {
-    progress.update(++done, static_cast<double>(std::size(cases)));
     if (!applies(scene, extreme.extreme)) continue;
-    const std::string key = fmt::format("{}: {} {}", scene.name,
-                                        label_of(extreme_labels, extreme.extreme), extreme.value);
-    const std::vector<double>* known = log.find(key);
-    const std::vector<double>& values =
-        known != nullptr
-            ? *known
-            : log.add(key, to_values(measure_case(scene, tracer.bounds(), extreme, params)));
-    figures.push_back(from_values(values));
-    figures.back().extreme = extreme.extreme;
-    figures.back().value = extreme.value;
+    applying.push_back(extreme);
+    keys.push_back(fmt::format("{}: {} {}", scene.name, label_of(extreme_labels, extreme.extreme),
+                               extreme.value));
+  }
+  const auto measure = [&](size_t i) {
+    return to_values(measure_case(scene, tracer.bounds(), applying[i], params));
+  };
+  log.complete("stability " + scene.name, keys, measure, callback);
+  std::vector<StabilityFigure> figures;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    figures.push_back(from_values(*log.find(keys[i])));
+    figures.back().extreme = applying[i].extreme;
+    figures.back().value = applying[i].value;
   }
   return figures;
 }

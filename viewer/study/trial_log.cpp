@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -35,6 +37,21 @@ std::optional<std::pair<std::string, std::vector<double>>> parse_line(const std:
   return std::pair{line.substr(0, key_end), std::move(values)};
 }
 
+std::string head_of(const std::string& settings) {
+  return fmt::format("relume-trials-1 {}\n", hash_text(settings));
+}
+
+std::vector<std::byte> to_bytes(std::span<const double> values) {
+  const auto bytes = std::as_bytes(values);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::vector<double> to_numbers(std::span<const std::byte> bytes) {
+  std::vector<double> values(bytes.size() / sizeof(double));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(double));
+  return values;
+}
+
 }  // namespace
 
 std::string hash_text(const std::string& text) {
@@ -46,12 +63,18 @@ std::string hash_text(const std::string& text) {
 }
 
 TrialLog::TrialLog(const std::filesystem::path& path, const std::string& settings) : path_(path) {
-  const std::string head = fmt::format("relume-trials-1 {}\n", hash_text(settings));
+  const std::string head = head_of(settings);
   if (read(head)) return;
   values_.clear();
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
   append(head);
+}
+
+TrialLog::TrialLog(const std::filesystem::path& path, const std::string& settings,
+                   std::unique_ptr<SharedWork> work)
+    : path_(path), work_(std::move(work)) {
+  if (!read(head_of(settings))) values_.clear();
 }
 
 bool TrialLog::read(const std::string& head) {
@@ -69,7 +92,7 @@ bool TrialLog::read(const std::string& head) {
   }
   resumed_ = values_.size();
   std::error_code failure;
-  if (at < text.size()) std::filesystem::resize_file(path_, at, failure);
+  if (at < text.size() && !work_) std::filesystem::resize_file(path_, at, failure);
   return !failure;
 }
 
@@ -79,7 +102,7 @@ const std::vector<double>* TrialLog::find(const std::string& key) const {
 }
 
 const std::vector<double>& TrialLog::add(const std::string& key, std::vector<double> values) {
-  CHECK_MSG(key.find_first_of("\t\n") == std::string::npos, "key {}", key);
+  CHECK_MSG(key.find_first_of("\t\n") == std::string::npos && !work_, "key {}", key);
   const auto [entry, is_new] = values_.emplace(key, std::move(values));
   CHECK_MSG(is_new, "key {}", key);
   if (!path_.empty()) append(format_line(key, entry->second));
@@ -95,9 +118,42 @@ void TrialLog::append(const std::string& text) const {
   }
 }
 
-void TrialLog::remove() {
-  std::error_code ignored;
-  if (!path_.empty()) std::filesystem::remove(path_, ignored);
+void TrialLog::complete(const std::string& stage, std::span<const std::string> keys,
+                        const std::function<std::vector<double>(size_t index)>& measure,
+                        const ProgressCallback& callback) {
+  if (work_) return complete_together(stage, keys, measure, callback);
+  Progress progress(callback, stage);
+  const auto is_missing = [this](const std::string& key) { return find(key) == nullptr; };
+  const auto missing = static_cast<double>(std::ranges::count_if(keys, is_missing));
+  double measured = 0;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    if (!is_missing(keys[i])) continue;
+    add(keys[i], measure(i));
+    progress.update(++measured, missing);
+  }
+}
+
+void TrialLog::complete_together(const std::string& stage, std::span<const std::string> keys,
+                                 const std::function<std::vector<double>(size_t index)>& measure,
+                                 const ProgressCallback& callback) {
+  const auto make = [&](size_t i) {
+    const std::vector<double>* const known = find(keys[i]);
+    return to_bytes(known != nullptr ? *known : measure(i));
+  };
+  const int shared = work_->complete(stage, keys.size(), make, callback);
+  for (size_t i = 0; i < keys.size(); ++i) {
+    values_.emplace(keys[i], to_numbers(work_->result(shared, i)));
+  }
+}
+
+void TrialLog::finish(const std::function<void()>& write) {
+  const auto write_and_remove = [&] {
+    write();
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove(path_, ignored);
+  };
+  if (work_) return work_->finish(write_and_remove);
+  write_and_remove();
 }
 
 }  // namespace relume

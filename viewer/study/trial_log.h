@@ -1,11 +1,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "viewer/farm/shared_work.h"
 
 namespace relume {
 
@@ -21,6 +25,11 @@ class TrialLog {
   /// on: a log made under other settings is started afresh. Throws Error(output).
   TrialLog(const std::filesystem::path& path, const std::string& settings);
 
+  /// Shared with all processes of `work`: what complete() measures is kept there, and what `path`
+  /// holds is only read. add() is not for such a log.
+  TrialLog(const std::filesystem::path& path, const std::string& settings,
+           std::unique_ptr<SharedWork> work);
+
   /// The numbers of `key`, or null where it was not measured yet.
   const std::vector<double>* find(const std::string& key) const;
 
@@ -28,17 +37,29 @@ class TrialLog {
   /// instance on a full disk.
   const std::vector<double>& add(const std::string& key, std::vector<double> values);
 
+  /// Adds those of `keys` that are not there yet: `measure` gives the numbers of one, by its place
+  /// among them, in their order. In a shared log each is measured by one of the processes.
+  /// `stage` is what progress calls them.
+  void complete(const std::string& stage, std::span<const std::string> keys,
+                const std::function<std::vector<double>(size_t index)>& measure,
+                const ProgressCallback& progress);
+
   /// How many keys came from an earlier run.
   size_t resumed() const { return resumed_; }
 
-  /// Removes the file: the study is complete.
-  void remove();
+  /// The study is complete: calls `write` (of a shared log: in one of the processes), then removes
+  /// the file.
+  void finish(const std::function<void()>& write);
 
  private:
   bool read(const std::string& head);
+  void complete_together(const std::string& stage, std::span<const std::string> keys,
+                         const std::function<std::vector<double>(size_t index)>& measure,
+                         const ProgressCallback& progress);
   void append(const std::string& text) const;
 
   std::filesystem::path path_;
+  std::unique_ptr<SharedWork> work_;
   std::map<std::string, std::vector<double>> values_;
   size_t resumed_ = 0;
 };
