@@ -176,6 +176,54 @@ INSTANTIATE_TEST_SUITE_P(MethodsAndK, Reduction,
                                                           ReductionMethod::strong_kmeans),
                                           testing::Values(1, 2, 4, 8, 16, 64)));
 
+/// Largest difference, over pixels, between the mean of the records and that of the samples of
+/// type `t`, in the first component of its colours.
+double largest_mean_difference(const SampleTile& records, const SampleTile& samples,
+                               const std::vector<SampleType>& types, size_t t) {
+  const auto mean = [&](const SampleTile& tile, int pixel, int component) {
+    double sum = 0;
+    double weight = 0;
+    for (uint32_t r = tile.types[t].first[pixel]; r < tile.types[t].first[pixel + 1]; ++r) {
+      const double w = tile.types[t].weights[r];
+      sum += w * row_of(tile, types, t, r)[component];
+      weight += w;
+    }
+    return sum / weight;
+  };
+  double largest = 0;
+  for (int pixel = 0; pixel < records.pixel_count(); ++pixel) {
+    if (count_of(records, t, pixel) == 0) continue;  // a type that was lost
+    for (size_t i = 0; i < types[t].field_count(); ++i) {
+      if (types[t].field(i).kind != FieldKind::linear) continue;
+      const int component = types[t].offsets[i];
+      largest = std::max(
+          largest, std::abs(mean(records, pixel, component) - mean(samples, pixel, component)));
+    }
+  }
+  return largest;
+}
+
+TEST(ReductionMean, OfRecordsIsThatOfTheSamples) {
+  std::vector<SampleType> types = all_sample_types();
+  const SampleTile samples = make_random_tile(types, 11, 9, 8, 4);
+  for (const ReductionMethod method : {ReductionMethod::kmeans, ReductionMethod::strong_kmeans,
+                                       ReductionMethod::kmedoids, ReductionMethod::cmeans}) {
+    ReductionParams params;
+    params.method = method;
+    params.records = 9;
+    for (size_t t = 0; t < types.size(); ++t) {
+      const SampleTile records = reduce_tile(samples, types, params, 100);
+      EXPECT_LT(largest_mean_difference(records, samples, types, t), 1e-5)
+          << label_of(reduction_method_labels, method) << " " << types[t].name;
+    }
+    // Representatives keep no mean: the test sees that.
+    std::vector<SampleType> chosen = types;
+    for (Merge& merge : chosen[0].merges) merge = Merge::representative;
+    const SampleTile records = reduce_tile(samples, chosen, params, 100);
+    EXPECT_GT(largest_mean_difference(records, samples, chosen, 0), 0.05);
+  }
+}
+
 TEST(ReductionBaseline, AllAndPureKeepEverySample) {
   const std::vector<SampleType> types = all_sample_types();
   const SampleTile samples = make_random_tile(types, 5, 5, 4, 1);
