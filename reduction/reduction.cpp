@@ -78,6 +78,7 @@ SampleTile reduce_tile(const SampleTile& samples, std::span<const SampleType> ty
   result.width = samples.width;
   result.height = samples.height;
   result.types.resize(types.size());
+  result.emission = samples.emission;
   result.has_footprints = true;
   result.has_members = params.stored_members > 0;
   for (TypedRows& rows : result.types) rows.first.push_back(0);

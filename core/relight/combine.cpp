@@ -1,5 +1,6 @@
 #include "core/relight/combine.h"
 
+#include "core/relight/emission.h"
 #include "core/relight/fill_pixels.h"
 
 namespace relume {
@@ -65,6 +66,7 @@ int Combiner::combine(size_t t, TileScratch& scratch) const {
   }
   const int replaced = kernels_.make_finite(blocks, sums);
   pixels_.write(tile, blocks, sums, frame_);
+  if (tile.emission != nullptr) add_emission(cache_, tile, frame_);
   return replaced;
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
 #include "core/relight/combine.h"
+#include "core/relight/emission.h"
 #include "core/relight/light_reach.h"
 #include "core/relight/tile_shader.h"
 
@@ -270,8 +271,7 @@ LayerTerms make_terms(RelightState& state, const Pass& last, PixelShare share,
 }  // namespace
 
 RelightState make_relight_state(const RelightCache& cache) {
-  return {&cache, {}, Image(cache.info().width, cache.info().height), LayerLayout(cache), {}, {},
-          {},     {}};
+  return {&cache, {}, emission_image(cache), LayerLayout(cache), {}, {}, {}, {}};
 }
 
 RelightStats relight(RelightState& state, std::span<const Light> lights, VisibilitySource* shadows,

@@ -9,20 +9,20 @@
 
 namespace relume {
 
-// The .relume file, version 5, little-endian (docs/cache-format.md):
+// The .relume file, version 6, little-endian (docs/cache-format.md):
 //   CacheHeader | chunks, each 64-byte aligned | info | TileEntry[tile_count]
 // The tiles are those of the image, row by row. The chunks of a row of tiles follow each other,
 // then their footprint chunks. A tile chunk: data (words of 4 bytes, see PackedBlock), block
 // headers, coverage bytes; where the info says so, pad to 4 and one float a pixel of predicted
-// error. A block header: u32 first word of the block's data | u8 lanes | u8 pixels[16] | pad to 24
-// | u16 slots[type_count] | packed formats: pad to 4, float frame[6], float bias[type_count] | pad
-// to 8. A footprint chunk, which shading without shadows does not read: per slot of the tile, in
-// the data's order, 16 lanes of each word of its records' footprints (footprint.h); where the info
-// says so, per slot 16 bytes of how many members each lane's record stored, and the members, lane
-// by lane.
+// error; where it says so, pad to 4 and three floats a pixel of emission. A block header: u32 first
+// word of the block's data | u8 lanes | u8 pixels[16] | pad to 24 | u16 slots[type_count] | packed
+// formats: pad to 4, float frame[6], float bias[type_count] | pad to 8. A footprint chunk, which
+// shading without shadows does not read: per slot of the tile, in the data's order, 16 lanes of
+// each word of its records' footprints (footprint.h); where the info says so, per slot 16 bytes of
+// how many members each lane's record stored, and the members, lane by lane.
 
 inline constexpr std::array<char, 8> cache_magic = {'R', 'E', 'L', 'U', 'M', 'E', '\r', '\n'};
-inline constexpr uint32_t cache_version = 5;
+inline constexpr uint32_t cache_version = 6;
 inline constexpr uint32_t cache_endian_mark = 0x01020304;
 inline constexpr int max_slots = 4096;  ///< of one type in one block: samples a pixel
 

@@ -117,6 +117,7 @@ void visit_plain(Archive& archive, InfoRef& info) {
   visit_byte(archive, info.has_predicted_error, 2);
   visit_byte(archive, info.has_footprints, 2);
   visit_byte(archive, info.has_members, 2);
+  visit_byte(archive, info.has_emission, 2);
   visit_light(archive, info.representative_low);
   visit_light(archive, info.representative_high);
 }

@@ -70,21 +70,29 @@ void CacheWriter::add(const PackedTileData& tile) {
   append_to(chunk, tile.blocks);
   append_to(chunk, std::as_bytes(std::span(tile.coverage)));
   const bool has_error = !tile.predicted_error.empty();
+  const bool has_emission = !tile.emission.empty();
   if (directory_.empty()) {
     format_ = tile.format;
     has_predicted_error_ = has_error;
     has_footprints_ = tile.has_footprints;
     has_members_ = tile.has_members;
+    has_emission_ = has_emission;
   }
   CHECK_MSG(tile.format == format_, "tile at {} {}", tile.x0, tile.y0);
   CHECK_MSG(has_error == has_predicted_error_ && tile.has_footprints == has_footprints_ &&
-                tile.has_members == has_members_,
+                tile.has_members == has_members_ && has_emission == has_emission_,
             "tile at {} {}", tile.x0, tile.y0);
   if (has_error) {
     CHECK_MSG(tile.predicted_error.size() == tile.coverage.size(), "{} {}",
               tile.predicted_error.size(), tile.coverage.size());
     chunk.resize(align_up(chunk.size(), sizeof(float)));
     append_to(chunk, std::as_bytes(std::span(tile.predicted_error)));
+  }
+  if (has_emission) {
+    CHECK_MSG(tile.emission.size() == 3 * tile.coverage.size(), "{} {}", tile.emission.size(),
+              tile.coverage.size());
+    chunk.resize(align_up(chunk.size(), sizeof(float)));
+    append_to(chunk, std::as_bytes(std::span(tile.emission)));
   }
   if (has_footprints_) {
     std::vector<std::byte>& footprints = footprints_.emplace_back();
@@ -117,6 +125,7 @@ void CacheWriter::finish(CacheInfo info) {
   info.has_predicted_error = has_predicted_error_;
   info.has_footprints = has_footprints_;
   info.has_members = has_members_;
+  info.has_emission = has_emission_;
   CacheHeader header;
   const std::vector<std::byte> encoded = encode_info(info);
   header.info_offset = size_;

@@ -17,11 +17,12 @@ class CacheWriter {
   /// Into `path`. Throws Error(output).
   explicit CacheWriter(const std::filesystem::path& path);
 
-  /// All tiles have one format, and carry a predicted error, footprints or members or none does.
+  /// All tiles have one format, and carry a predicted error, footprints, members or emission, or
+  /// none does.
   void add(const PackedTileData& tile);
 
   /// Writes info and directory. Counts of samples come in with `info`; record_count, format,
-  /// has_predicted_error, has_footprints and has_members follow from the tiles.
+  /// has_predicted_error, has_footprints, has_members and has_emission follow from the tiles.
   /// File: renames it into place. Memory: take the result with take_bytes().
   void finish(CacheInfo info);
   CacheBytes take_bytes();
@@ -39,6 +40,7 @@ class CacheWriter {
   bool has_predicted_error_ = false;
   bool has_footprints_ = false;
   bool has_members_ = false;
+  bool has_emission_ = false;
   std::vector<TileEntry> directory_;
   /// Footprint chunks of the last tiles, a row of them at most; they follow the row's tile chunks.
   std::vector<std::vector<std::byte>> footprints_;

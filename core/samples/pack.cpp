@@ -249,6 +249,9 @@ PackedTileData pack_tile(const SampleTile& records, std::span<const SampleType> 
       packed.predicted_error.push_back(stored_error(records.predicted_error[pixel], coverage > 0));
     }
   }
+  for (const vec3 emission : records.emission) {
+    for (int c = 0; c < 3; ++c) packed.emission.push_back(emission[c]);
+  }
   return packed;
 }
 

@@ -18,6 +18,7 @@ struct PackedTileData {
   std::vector<std::byte> blocks;       ///< block_count headers
   std::vector<uint8_t> coverage;       ///< width * height
   std::vector<float> predicted_error;  ///< width * height, 0 where coverage is 0; or empty
+  std::vector<float> emission;         ///< width * height * 3, or empty
   bool has_footprints = false;
   bool has_members = false;
   std::vector<uint32_t> footprints;    ///< per slot: 16 lanes of each of footprint_words words

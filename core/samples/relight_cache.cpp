@@ -148,8 +148,10 @@ void RelightCache::check_order(std::span<const std::byte> directory,
 
 PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& place) const {
   const uint64_t pixels = uint64_t{entry.width} * entry.height;
+  const uint64_t floats =
+      pixels * ((info_.has_predicted_error ? 1 : 0) + (info_.has_emission ? 3 : 0));
   const uint64_t pixel_bytes =
-      info_.has_predicted_error ? coverage_stride(pixels) + pixels * sizeof(float) : pixels;
+      floats > 0 ? coverage_stride(pixels) + floats * sizeof(float) : pixels;
   const size_t stride = block_stride(info_.types.size(), info_.format);
   if (entry.offset % 64 != 0 || entry.data_words > entry.size / sizeof(uint32_t) ||
       entry.block_count > max_tile_blocks ||
@@ -172,6 +174,14 @@ PackedTile RelightCache::check_tile(const TileEntry& entry, const std::string& p
         corrupt(place, "a predicted error is not valid");
       }
     }
+  }
+  if (info_.has_emission) {
+    const auto* const first =
+        reinterpret_cast<const float*>(tile.coverage + coverage_stride(pixels));
+    tile.emission = first + (info_.has_predicted_error ? pixels : 0);
+    const std::span values(tile.emission, 3 * pixels);
+    const auto is_radiance = [](float x) { return x >= 0 && x <= 2 * max_emission; };
+    if (!std::ranges::all_of(values, is_radiance)) corrupt(place, "an emission is not valid");
   }
   for (int b = 0; b < tile.block_count; ++b) {
     uint32_t first_word = 0;
@@ -291,6 +301,19 @@ std::vector<float> RelightCache::predicted_error() const {
   if (!info_.has_predicted_error) return {};
   return gather(info_, tiles_,
                 [](const PackedTile& tile, int pixel) { return tile.predicted_error[pixel]; });
+}
+
+std::vector<float> RelightCache::emission() const {
+  if (!info_.has_emission) return {};
+  std::vector<float> result(3 * static_cast<size_t>(info_.width) * info_.height);
+  for (const PackedTile& tile : tiles_) {
+    for (int y = 0; y < tile.height; ++y) {
+      const size_t first = static_cast<size_t>(tile.y0 + y) * info_.width + tile.x0;
+      std::copy_n(tile.emission + size_t{3} * y * tile.width, 3 * tile.width,
+                  result.begin() + static_cast<std::ptrdiff_t>(3 * first));
+    }
+  }
+  return result;
 }
 
 std::vector<float> RelightCache::record_counts() const {

@@ -45,6 +45,7 @@ struct CacheInfo {
   bool has_predicted_error = false;  ///< tiles carry one predicted error a pixel
   bool has_footprints = false;       ///< records carry theirs; else each is a sample
   bool has_members = false;          ///< records carry some of their samples
+  bool has_emission = false;         ///< tiles carry what pixels emit by themselves
   std::string scene_name;
   std::string scene_file;     ///< absolute path or built-in label
   std::string scene_text;     ///< the scene file's text
@@ -91,6 +92,9 @@ struct PackedTile {
   /// Per pixel of the tile, row-major: finite, >= 0, 0 where coverage is 0. Null when the cache has
   /// none. See SampleTile::predicted_error.
   const float* predicted_error = nullptr;
+  /// Per pixel of the tile, row-major: RGB, finite, >= 0. Null when the cache has none. See
+  /// SampleTile::emission.
+  const float* emission = nullptr;
   /// Of the tile's first slot, counted through the cache; 16 receivers (see Receivers) each.
   uint64_t first_slot = 0;
   const uint32_t* footprints = nullptr;    ///< per slot: footprint_words x 16; null = has none
@@ -144,6 +148,9 @@ class RelightCache {
   /// Predicted error of each pixel, row-major, >= 0, in the units of the picture; 0 where there is
   /// no geometry. Empty when info().has_predicted_error is false. See SampleTile::predicted_error.
   std::vector<float> predicted_error() const;
+  /// What each pixel emits by itself, row-major RGB, scene-linear. Empty when info().has_emission
+  /// is false.
+  std::vector<float> emission() const;
   /// Number of records of each pixel over all types, row-major; 0 where there are none.
   std::vector<float> record_counts() const;
 

@@ -107,6 +107,14 @@ bool append_sample(const ViewSampler& view, const SampleType& type, const Surfac
   return true;
 }
 
+/// What the material sends out by itself; finite, since textures lie in [0, 1].
+vec3 emission_at(const Scene& scene, const SurfacePoint& point) {
+  const Material& material = scene.materials[point.material];
+  if (material.emission_texture < 0) return material.emission;
+  const Texture& texture = scene.textures[material.emission_texture];
+  return material.emission * vec3(lookup_texture(texture, point.uv));
+}
+
 int tiles_across(int pixels) {
   return (pixels + tile_size - 1) / tile_size;
 }
@@ -121,6 +129,7 @@ SampleTile sample_rectangle(const ViewSampler& view, const TileRectangle& place,
   tile.height = place.height;
   tile.types.resize(view.types.types.size());
   for (TypedRows& rows : tile.types) rows.first.push_back(0);
+  if (view.emits) tile.emission.assign(static_cast<size_t>(tile.pixel_count()), vec3(0));
   const float weight = 1.0f / static_cast<float>(view.strata.spp);
   std::vector<vec2> positions;
   for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
@@ -137,6 +146,7 @@ SampleTile sample_rectangle(const ViewSampler& view, const TileRectangle& place,
       const uint16_t type = view.types.type_of_material[point->material];
       const bool is_kept =
           append_sample(view, view.types.types[type], *point, weight, tile.types[type]);
+      if (is_kept && view.emits) tile.emission[pixel] += weight * emission_at(*view.scene, *point);
       if (is_kept && cells != nullptr) (*cells)[type].push_back(static_cast<uint16_t>(cell));
     }
     for (TypedRows& rows : tile.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));
@@ -156,7 +166,8 @@ ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int widt
           seed,
           width,
           height,
-          resolve_parameters(scene)};
+          resolve_parameters(scene),
+          has_emission(scene)};
 }
 
 int tile_count(const ViewSampler& view) {

@@ -25,6 +25,7 @@ struct ViewSampler {
   int width;                                               ///< pixels
   int height;                                              ///< pixels
   std::vector<std::vector<ResolvedParameter>> parameters;  ///< per material, as material_parameters
+  bool emits = false;                                      ///< has_emission(scene)
 };
 
 ViewSampler make_view_sampler(const Scene& scene, const Tracer& tracer, int width, int height,

@@ -41,6 +41,9 @@ struct SampleTile {
   /// Records only, per pixel or empty: the RMS over RGB and over lights held back from the fit of
   /// what reduction changed, unshadowed, in the units of the picture.
   std::vector<float> predicted_error;
+  /// Per pixel: the mean over its samples, misses included, of what their materials emit. Empty
+  /// where the scene has no such material.
+  std::vector<vec3> emission;
   bool has_footprints = false;  ///< rows have them, whether there are rows or not
   bool has_members = false;     ///< rows of two or more samples may have stored members
 

@@ -22,6 +22,9 @@ inline constexpr size_t max_name_length = 256;  ///< bytes
 /// stay within a float.
 inline constexpr float max_coordinate = 1e9f;
 
+/// Largest radiance that a material may emit.
+inline constexpr float max_emission = 1e20f;
+
 /// False when the triangle's height over its longest edge is below 1e-7 of that edge: a float
 /// cannot tell such a triangle from a line, and it has no normal.
 inline bool has_area(vec3 a, vec3 b, vec3 c) {

@@ -119,6 +119,12 @@ void Validator::check_material(const Material& material) const {
           "refers to a missing normal map", "give an index of the scene's textures");
   require(std::abs(material.normal_scale) <= 1000, field + "/normal_map/scale",
           "is not within [-1000, 1000]", "1 is usual");
+  require(is_finite(material.emission) && max_component(-material.emission) <= 0 &&
+              max_component(material.emission) <= max_emission,
+          field + "/emission", "has a component that is negative, not finite or above 1e20",
+          "give numbers >= 0");
+  require(material.emission_texture >= -1 && material.emission_texture < texture_count, field,
+          "refers to a missing emission texture", "give an index of the scene's textures");
   for (const auto& merge : material.merges) {
     const bool known = std::ranges::any_of(
         shader.fields, [&](const SampleField& f) { return f.name == merge.first; });
@@ -338,6 +344,12 @@ Bounds local_bounds(const Prototype& prototype) {
     }
   }
   return bounds;
+}
+
+bool has_emission(const Scene& scene) {
+  return std::ranges::any_of(scene.materials, [](const Material& material) {
+    return max_component(material.emission) > 0;
+  });
 }
 
 Bounds transform_bounds(const Bounds& local, const mat4x3& world_from_local) {

@@ -49,6 +49,10 @@ struct Material {
   /// The artist's choice, TR2007-600 sec. 2.1: fields (by name) whose merge category differs from
   /// the shader's default.
   std::vector<std::pair<std::string, Merge>> merges;
+  /// Radiance that it sends out on all sides by itself, linear RGB, >= 0, whatever the lights do.
+  /// It is seen; it lights nothing else.
+  vec3 emission{0};
+  int emission_texture = -1;  ///< sRGB, multiplies it; index into Scene::textures, or -1
 };
 
 /// Triangles. Invariants after load: indices < positions.size(); normals, uvs and
@@ -115,6 +119,9 @@ struct Scene {
   std::filesystem::path file;  ///< where it was read from; empty for built-in scenes
   std::string text;            ///< the scene file's own text: enough, with `file`, to load it again
 };
+
+/// True when a material sends out light by itself.
+bool has_emission(const Scene& scene);
 
 /// Bounds of a prototype in its local space, strand radii included.
 Bounds local_bounds(const Prototype& prototype);

@@ -270,15 +270,41 @@ TEST_F(GltfFile, TexturesOfSurfaceAndNormalsComeWithTheirChannelsAndTangents) {
 TEST_F(GltfFile, TellsWhatOfMaterialsIsLeftOut) {
   Parts parts;
   parts.primitive = R"("indices": 3, "material": 0)";
-  parts.more = R"(, "textures": [{}], "materials": [{"emissiveFactor": [0, 1, 0],
+  parts.more = R"(, "textures": [{}], "materials": [{
       "occlusionTexture": {"index": 0}, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
       "metallicRoughnessTexture": {"index": 0, "texCoord": 1}}}])";
   testing::internal::CaptureStderr();
   load(parts);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
             (folder_.file("a b.gltf").string() +
-             ": its materials are read without emission, occlusion, texture coordinates other than "
+             ": its materials are read without occlusion, texture coordinates other than "
              "the first texture's\n"));
+}
+
+TEST_F(GltfFile, ReadsEmissionWithItsStrengthAndTexture) {
+  write_png(folder_.file("glow.png"), DisplayImage{1, 1, 4, {255, 128, 0, 255}});
+  Parts parts;
+  parts.primitive = R"("indices": 3, "material": 0)";
+  const auto material = [](const std::string& more) {
+    return R"(, "extensionsRequired": ["KHR_materials_emissive_strength"],
+      "extensionsUsed": ["KHR_materials_emissive_strength"],
+      "images": [{"uri": "glow.png"}], "textures": [{"source": 0}], "materials": [{
+      "emissiveTexture": {"index": 0}, )" +
+           more + "}]";
+  };
+  parts.more = material(R"("emissiveFactor": [1, 0.5, 0.25],
+      "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}})");
+  load(parts);
+  EXPECT_EQ(scene_.materials[0].emission, vec3(8, 4, 2));
+  ASSERT_EQ(scene_.materials[0].emission_texture, 0);
+  EXPECT_TRUE(scene_.textures[0].srgb);
+  parts.more = material(R"("emissiveFactor": [1, 0.5, 0.25])");
+  load(parts);
+  EXPECT_EQ(scene_.materials.back().emission, vec3(1, 0.5f, 0.25f));
+  parts.more = material(R"("name": "dark")");
+  load(parts);
+  EXPECT_EQ(scene_.materials.back().emission, vec3(0));
+  EXPECT_EQ(scene_.materials.back().emission_texture, -1) << "multiplies 0";
 }
 
 TEST_F(GltfFile, MasksCutOutAndOpaqueOnesDoNot) {

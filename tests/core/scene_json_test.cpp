@@ -42,6 +42,21 @@ void expect_input_error(const std::string& text, const std::string& part) {
   EXPECT_ERROR(parse(text), ErrorKind::input, part);
 }
 
+TEST(SceneJson, ReadsEmission) {
+  const auto emission = [](const std::string& value) {
+    return scene_text("materials",
+                      R"([{"name": "clay", "shader": "lambert", "emission": )" + value + "}]");
+  };
+  EXPECT_EQ(parse(emission("[4, 2, 0.5]")).materials[0].emission, vec3(4, 2, 0.5f));
+  EXPECT_EQ(parse(emission("3")).materials[0].emission, vec3(3));
+  EXPECT_FALSE(has_emission(parse(emission("0"))));
+  EXPECT_TRUE(parse(emission("3")).materials[0].parameters.empty());
+  expect_input_error(emission("[1, -1, 0]"), "/emission");
+  expect_input_error(emission("1e30"), "/emission");
+  expect_input_error(emission("\"bright\""), "/emission");
+  expect_input_error(emission(R"({"texture": "none.png"})"), "none.png");
+}
+
 TEST(SceneJson, ReadsWhatTheFileSays) {
   const std::string text = scene_text();
   const Scene scene = parse(text);

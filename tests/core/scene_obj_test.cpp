@@ -211,6 +211,15 @@ TEST_F(ObjFile, ReadsMaterialsWithSpacesInNames) {
   EXPECT_EQ(shader_name(scene_.materials[2]), "lambert");
 }
 
+TEST_F(ObjFile, ReadsEmission) {
+  write_all(folder_.file("a.mtl"), "newmtl m\nKd 0 0 0\nKe 2 0 0.5\nnewmtl n\nKd 1 1 1\n");
+  load("mtllib a.mtl\n" + quad + "usemtl m\nf 1 2 3\nusemtl n\nf 1 3 4\n");
+  EXPECT_EQ(scene_.materials.at(0).emission, vec3(2, 0, 0.5f));
+  EXPECT_EQ(scene_.materials.at(1).emission, vec3(0));
+  write_all(folder_.file("a.mtl"), "newmtl m\nKe 2 0\n");
+  expect_error("mtllib a.mtl\n" + quad + "usemtl m\nf 1 2 3\n", "a.mtl");
+}
+
 TEST_F(ObjFile, KeepsTheRatioOfPeakToDiffuseOfClassicPhong) {
   write_all(folder_.file("a.mtl"), "newmtl m\nKd 0.5 0.5 0.5\nKs 0.25 0.25 0.25\nNs 30\n");
   load("mtllib a.mtl\n" + quad + "usemtl m\nf 1 2 3\n");

@@ -32,7 +32,8 @@ class DeepRecordMaker {
       : cache_(cache),
         decoder_(cache, InstructionSet::automatic),
         rays_(cache.info().camera, cache.info().width, cache.info().height),
-        radiance_(cache.slot_count() * block_lanes, vec3(0)) {
+        radiance_(cache.slot_count() * block_lanes, vec3(0)),
+        emission_(cache.emission()) {
     image_.width = cache.info().width;
     image_.height = cache.info().height;
     for (const char* name : {"R", "G", "B", "A", "Z", "weight.V", "id.V"}) {
@@ -164,6 +165,7 @@ class DeepRecordMaker {
     constexpr float most_alpha = 1 - 0x1p-11f;  // of half floats below 1
     double transmittance = 1;
     double weights = 0;
+    const vec3 emission = emitted_radiance(pixel, index);
     float* out = &image_.values[first_sample_[index] * image_.channels.size()];
     for (size_t i = 0; i < pixel.size(); ++i, out += image_.channels.size()) {
       const DeepRecord& record = pixel[i];
@@ -172,8 +174,8 @@ class DeepRecordMaker {
       const bool is_last = i + 1 == pixel.size();
       out[alpha] =
           std::clamp(nearest_half(static_cast<float>(wanted)), 0.0f, is_last ? 1.0f : most_alpha);
-      const vec3 color =
-          radiance_[record.receiver] * static_cast<float>(record.weight / transmittance);
+      const vec3 color = (radiance_[record.receiver] + emission) *
+                         static_cast<float>(record.weight / transmittance);
       for (int c = 0; c < 3; ++c) out[red + c] = nearest_half(color[c]);
       out[depth] = record.depth;
       out[weight] = record.weight;
@@ -181,6 +183,15 @@ class DeepRecordMaker {
       write_fields(record, out);
       transmittance *= 1 - double{out[alpha]};
     }
+  }
+
+  /// What a pixel emits, shared among its records by their weights: where in depth it comes from
+  /// is not stored.
+  vec3 emitted_radiance(const std::vector<DeepRecord>& pixel, size_t index) const {
+    if (emission_.empty()) return vec3(0);
+    float weights = 0;
+    for (const DeepRecord& record : pixel) weights += record.weight;
+    return vec3(emission_[3 * index], emission_[3 * index + 1], emission_[3 * index + 2]) / weights;
   }
 
   void write_fields(const DeepRecord& record, float* out) const {
@@ -198,6 +209,7 @@ class DeepRecordMaker {
   BlockDecoder decoder_;
   CameraRays rays_;
   std::vector<vec3> radiance_;  ///< of each receiver, without its weight
+  std::vector<float> emission_;  ///< of each pixel, RGB; empty: none
   DeepImage image_;
   std::vector<std::vector<size_t>> channel_of_field_;  ///< per type, per field
   std::vector<size_t> first_sample_;                   ///< per pixel

@@ -61,7 +61,7 @@ void set_record_count(std::vector<TileRecord>& records, size_t count) {
 
 SampleTile to_sample_tile(const PackedTile& tile, int y0, const PixelRecords& pixels,
                           size_t types) {
-  SampleTile result{tile.x0, y0, tile.width, tile.height, {}, {}, {}};
+  SampleTile result{tile.x0, y0, tile.width, tile.height, {}, {}, {}, {}};
   result.types.resize(types);
   for (TypedRows& rows : result.types) rows.first.push_back(0);
   for (size_t p = 0; p < pixels.size(); ++p) {

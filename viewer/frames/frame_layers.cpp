@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/relight/emission.h"
 #include "core/relight/pixel_means.h"
 #include "core/relight/pixel_visibility.h"
 #include "core/samples/geometry_hash.h"
@@ -58,6 +59,7 @@ class LayerMaker {
     for (size_t i = 0; i < state_.lights.size(); ++i) {
       add("light." + light_names_[i] + ".", {"R", "G", "B"}, weighted_layer(state_, i));
     }
+    if (cache_.info().has_emission) add("emission.", {"R", "G", "B"}, emission_image(cache_));
     add_map("records.", "V", cache_.record_counts());
     if (cache_.info().has_predicted_error) {
       add_map("predicted_error.", "V", cache_.predicted_error());

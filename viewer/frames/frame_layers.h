@@ -20,7 +20,8 @@ struct FrameLayers {
   std::vector<ExrLayer> layers;
 };
 
-/// Beauty (R, G, B), coverage (A), one layer a light (light.<name>.R ...) that sum to beauty,
+/// Beauty (R, G, B), coverage (A), one layer a light (light.<name>.R ...) and emission
+/// (emission.R ...) where the cache has it, that sum to beauty,
 /// records per pixel (records.V), predicted error where the cache has it (predicted_error.V), and
 /// the AOVs that `recipe` asks for. Throws Error(usage) for an AOV that the cache cannot give.
 FrameLayers make_frame_layers(const RelightState& state, const FrameRecipe& recipe);

@@ -73,6 +73,7 @@ void visit_tile(Archive& archive, Tile& tile) {
   archive.list(tile.blocks);
   archive.list(tile.coverage);
   archive.list(tile.predicted_error);
+  archive.list(tile.emission);
   archive.value(tile.has_footprints);
   archive.value(tile.has_members);
   archive.list(tile.footprints);

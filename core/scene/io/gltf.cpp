@@ -78,6 +78,8 @@ class MaterialMaker {
     }
     material.normal_texture = load(source.normal_image, false, source.name);
     material.normal_scale = source.normal_scale;
+    material.emission = source.emission;
+    material.emission_texture = load(source.emission_image, true, source.name);
     set_alpha(source, texture, material);
     left_out_.insert(source.left_out.begin(), source.left_out.end());
     return material;

@@ -16,9 +16,9 @@ constexpr uint64_t max_parts = 1'000'000;  ///< of each kind: nodes, meshes, acc
 constexpr std::string_view binary_magic = "glTF";
 constexpr uint32_t json_chunk = 0x4E4F534A;
 constexpr std::array known_extensions = {
-    std::string_view("KHR_lights_punctual"), std::string_view("KHR_materials_ior"),
-    std::string_view("KHR_materials_specular"), std::string_view("KHR_texture_transform"),
-    std::string_view("KHR_mesh_quantization")};
+    std::string_view("KHR_lights_punctual"),   std::string_view("KHR_materials_emissive_strength"),
+    std::string_view("KHR_materials_ior"),     std::string_view("KHR_materials_specular"),
+    std::string_view("KHR_texture_transform"), std::string_view("KHR_mesh_quantization")};
 
 uint32_t read_word(std::span<const std::byte> bytes, size_t at) {
   uint32_t word = 0;

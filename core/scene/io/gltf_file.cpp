@@ -138,12 +138,26 @@ class Reader {
     material.normal_image = image_of(source.normalTexture, place);
     material.normal_scale = clamped(source.normalTexture.scale, -1000, 1000);
     material.reflectance = read_reflectance(source);
+    read_emission(source, place, material);
     material.left_out = left_out_of(source);
     material.alpha = source.alphaMode == "MASK"    ? GltfAlpha::mask
                      : source.alphaMode == "BLEND" ? GltfAlpha::blend
                                                    : GltfAlpha::opaque;
     material.alpha_cutoff = clamped(source.alphaCutoff, 0, 1);
     return material;
+  }
+
+  void read_emission(const tinygltf::Material& source, const std::string& place,
+                     GltfMaterial& material) const {
+    const double strength =
+        extension_number(source, "KHR_materials_emissive_strength", "emissiveStrength", 1);
+    for (size_t i = 0; i < std::min<size_t>(3, source.emissiveFactor.size()); ++i) {
+      const float factor = clamped(source.emissiveFactor[i], 0, 1);
+      material.emission[i] = clamped(factor * strength, 0, max_emission);
+    }
+    if (max_component(material.emission) > 0) {
+      material.emission_image = image_of(source.emissiveTexture, place);
+    }
   }
 
   /// KHR_texture_transform: offset + rotation * (scale * uv).
@@ -194,7 +208,8 @@ class Reader {
     const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
     if (pbr.baseColorTexture.index >= 0) return uv_transform(pbr.baseColorTexture);
     if (pbr.metallicRoughnessTexture.index >= 0) return uv_transform(pbr.metallicRoughnessTexture);
-    return uv_transform(material.normalTexture);
+    if (material.normalTexture.index >= 0) return uv_transform(material.normalTexture);
+    return uv_transform(material.emissiveTexture);
   }
 
   static double extension_number(const tinygltf::Material& source, const char* extension,
@@ -222,14 +237,10 @@ class Reader {
   std::vector<std::string> left_out_of(const tinygltf::Material& source) const {
     std::vector<std::string> parts;
     if (source.occlusionTexture.index >= 0) parts.emplace_back("occlusion");
-    const auto& emission = source.emissiveFactor;
-    if (std::ranges::any_of(emission, [](double c) { return c > 0; })) {
-      parts.emplace_back("emission");
-    }
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
     const UvTransform read = uv_transform(source);
     if (has_other_uvs(pbr.metallicRoughnessTexture, read) ||
-        has_other_uvs(source.normalTexture, read)) {
+        has_other_uvs(source.normalTexture, read) || has_other_uvs(source.emissiveTexture, read)) {
       parts.emplace_back("texture coordinates other than the first texture's");
     }
     return parts;

@@ -30,14 +30,16 @@ struct GltfMaterial {
   float reflectance = 0.04f;   ///< F0 where it is no metal (KHR_materials_ior, _specular)
   int normal_image = -1;       ///< linear, tangent space
   float normal_scale = 1;
+  vec3 emission{0};         ///< radiance, times the strength of KHR_materials_emissive_strength
+  int emission_image = -1;  ///< sRGB
   GltfAlpha alpha = GltfAlpha::opaque;
   float alpha_cutoff = 0.5f;
   std::vector<std::string> left_out;  ///< what it says and we lack, in words
 };
 
 /// Triangles under one material. Arrays as in Mesh: normals and uvs are empty or parallel to
-/// positions; uvs are those of the first texture of base colour, metallic-roughness and normals, v
-/// upwards.
+/// positions; uvs are those of the first texture of base colour, metallic-roughness, normals and
+/// emission, v upwards.
 struct GltfPrimitive {
   std::vector<vec3> positions;
   std::vector<vec3> normals;  ///< as they stand, of any length
@@ -75,7 +77,7 @@ struct GltfContent {
 
 /// Reads a .gltf or .glb with its buffers and images (Khronos, glTF 2.0). Extensions that the file
 /// requires and we lack are refused by name before anything is decoded. Left out: skins, morph
-/// targets, animation, vertex colours, occlusion, emission, orthographic cameras; lines and points.
+/// targets, animation, vertex colours, occlusion, orthographic cameras; lines and points.
 /// Throws Error(input) or Error(limit) that names the file and the place in it.
 GltfContent read_gltf(const std::filesystem::path& path);
 

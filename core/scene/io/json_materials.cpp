@@ -25,6 +25,7 @@ class MaterialReader {
     }
     if (const auto alpha = node_.find("alpha")) read_alpha(*alpha);
     if (const auto map = node_.find("normal_map")) read_normal_map(*map);
+    if (const auto emission = node_.find("emission")) read_emission(*emission);
     if (const auto merge = node_.find("merge")) read_merges(*merge);
     return material_;
   }
@@ -52,7 +53,7 @@ class MaterialReader {
   }
 
   void expect_known_keys() const {
-    std::vector<std::string_view> keys{"name", "shader", "alpha", "merge"};
+    std::vector<std::string_view> keys{"name", "shader", "alpha", "merge", "emission"};
     const auto is_normal = [](const SampleField& f) { return f.source == FieldSource::normal; };
     if (std::ranges::any_of(shader().fields, is_normal)) keys.emplace_back("normal_map");
     for (const SampleField& field : material_parameters(shader())) keys.push_back(field.name);
@@ -110,6 +111,17 @@ class MaterialReader {
     map.expect_keys({"texture", "scale"});
     material_.normal_texture = read_texture(map, false);
     map.read("scale", material_.normal_scale, -1000, 1000);
+  }
+
+  /// As a parameter is read, of any size.
+  void read_emission(const JsonNode& value) {
+    constexpr SampleField field{
+        "emission",     3, FieldKind::linear, FieldSource::material, "radiance",
+        Merge::average, 0, max_emission};
+    read_parameter(value, field);
+    material_.emission = material_.parameters.back().value;
+    material_.emission_texture = material_.parameters.back().texture;
+    material_.parameters.pop_back();
   }
 
   void read_merges(const JsonNode& merges) {

@@ -131,10 +131,12 @@ void append_mtl(const std::filesystem::path& path, MtlTable& table) {
     own.file = file;
     own.diffuse = vec3(material.diffuse[0], material.diffuse[1], material.diffuse[2]);
     own.specular = vec3(material.specular[0], material.specular[1], material.specular[2]);
+    own.emission = vec3(material.emission[0], material.emission[1], material.emission[2]);
     own.exponent = static_cast<float>(material.shininess);
     own.opacity = static_cast<float>(material.dissolve);
     own.diffuse_texture = without_blanks_around(material.diffuse_texname);
     own.alpha_texture = without_blanks_around(material.alpha_texname);
+    own.emission_texture = without_blanks_around(material.emissive_texname);
     const std::string name = without_blanks_around(material.name);
     if (!name.empty()) table.try_emplace(name, std::move(own));
   }

@@ -6,6 +6,7 @@
 #include "core/scene/io/alpha_mask.h"
 #include "core/scene/io/obj_parts.h"
 #include "core/scene/io/texture_file.h"
+#include "core/scene/limits.h"
 
 namespace relume {
 namespace {
@@ -54,6 +55,7 @@ class MaterialMaker {
       material_.parameters.push_back({"specular", normalised, -1});
       material_.parameters.push_back({"exponent", vec3(exponent), -1});
     }
+    read_emission();
     read_alpha(texture);
     return material_;
   }
@@ -63,6 +65,14 @@ class MaterialMaker {
     const std::string place =
         fmt::format("{}: material \"{}\": {}", source_.file, name_, statement);
     return add_texture(scene_, texture_path(source_.file, name), srgb, place);
+  }
+
+  /// Ke, times map_Ke.
+  void read_emission() {
+    material_.emission = glm::clamp(source_.emission, vec3(0), vec3(max_emission));
+    if (max_component(material_.emission) > 0 && !source_.emission_texture.empty()) {
+      material_.emission_texture = load(source_.emission_texture, true, "map_Ke");
+    }
   }
 
   /// map_d, or the alpha channel of map_Kd where that cuts anything out.

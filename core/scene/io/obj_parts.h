@@ -55,10 +55,12 @@ struct MtlMaterial {
   std::string file;  ///< the MTL file, for messages and relative textures
   vec3 diffuse{0.5f};
   vec3 specular{0};
+  vec3 emission{0};
   float exponent = 0;
   float opacity = 1;
   std::string diffuse_texture;  ///< as written, or empty
   std::string alpha_texture;
+  std::string emission_texture;
 };
 
 /// Materials by name; those of the first file win.

@@ -286,7 +286,7 @@ class MtlChecker : public TextChecker {
     while (lines_.next()) {
       Words words(lines_.line());
       const std::string_view keyword = words.next();
-      if (keyword == "Kd" || keyword == "Ks") {
+      if (keyword == "Kd" || keyword == "Ks" || keyword == "Ke") {
         check_numbers(words, 3, 3, 1e6);
       } else if (keyword == "Ns" || keyword == "d" || keyword == "Tr") {
         check_numbers(words, 1, 1, 1e6);

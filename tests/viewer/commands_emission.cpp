@@ -1,0 +1,108 @@
+// A scene whose materials emit light, through the commands.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "core/image/image_io.h"
+#include "tests/support/temporary_folder.h"
+#include "viewer/commands/commands.h"
+
+namespace relume::test {
+namespace {
+
+const CommonOptions quiet{.quiet = true};
+
+class EmissionFrame : public testing::Test {
+ protected:
+  EmissionFrame() {
+    write_all(folder_.file("lamp.json"), R"({"image": {"width": 48, "height": 40},
+      "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "fov_y_deg": 40},
+      "materials": [{"name": "glow", "shader": "lambert", "diffuse": 0.2, "emission": [2, 1, 0.5]},
+                    {"name": "clay", "shader": "lambert", "diffuse": 0.6}],
+      "geometry": [{"name": "a", "generator": "sphere", "material": "glow"},
+                   {"name": "b", "generator": "sphere", "material": "clay",
+                    "transform": {"translate": [1, 0.3, -1]}}],
+      "lights": [{"name": "key", "position": [2, 3, 4], "gain": 20},
+                 {"name": "rim", "position": [-3, 1, -2], "gain": 30}]})");
+    render_.input = folder_.file("lamp.json").string();
+    render_.output = folder_.file("frame.exr");
+    render_.prepare.spp = 9;
+    render_.prepare.records = 3;
+  }
+
+  void silently(const std::function<int()>& command, int expected = 0) {
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(command(), expected);
+    testing::internal::GetCapturedStdout();
+    told_ = testing::internal::GetCapturedStderr();
+  }
+
+  Image layer(const std::string& name) const {
+    Image image(48, 40);
+    for (int c = 0; c < 3; ++c) {
+      const Image channel =
+          read_exr_channel(render_.output, name + std::string(1, "RGB"[static_cast<size_t>(c)]));
+      for (size_t i = 0; i < channel.pixels.size(); ++i) {
+        image.pixels[3 * i + static_cast<size_t>(c)] = channel.pixels[i];
+      }
+    }
+    return image;
+  }
+
+  TemporaryFolder folder_;
+  RenderOptions render_;
+  std::string told_;
+};
+
+TEST_F(EmissionFrame, IsALayerThatSumsToBeautyAndIsVerified) {
+  silently([&] { return run_render(render_, quiet); });
+  EXPECT_NE(told_.find("lights nothing else"), std::string::npos) << told_;
+  const Image beauty = layer("");
+  const Image emission = layer("emission.");
+  const Image key = layer("light.key.");
+  const Image rim = layer("light.rim.");
+  float brightest = 0;
+  for (size_t i = 0; i < beauty.pixels.size(); ++i) {
+    const float sum = key.pixels[i] + rim.pixels[i] + emission.pixels[i];
+    ASSERT_NEAR(beauty.pixels[i], sum, 1e-5f * sum);
+    brightest = std::max(brightest, emission.pixels[i]);
+  }
+  EXPECT_FLOAT_EQ(brightest, 2);
+  silently([&] { return run_verify({.frame = render_.output, .cache = {}}, quiet); });
+}
+
+TEST_F(EmissionFrame, IsInTheReference) {
+  silently([&] { return run_render(render_, quiet); });
+  const Image reduced = layer("emission.");
+  render_.reference = true;
+  silently([&] { return run_render(render_, quiet); });
+  EXPECT_EQ(layer("emission.").pixels, reduced.pixels) << "reduction does not touch it";
+}
+
+TEST_F(EmissionFrame, IsInWhatADeepImageFlattensTo) {
+  if (std::system("command -v oiiotool >/dev/null") != 0) GTEST_SKIP() << "no oiiotool";
+  silently([&] { return run_render(render_, quiet); });
+  const std::string deep = folder_.file("deep.exr").string();
+  const std::string flat = folder_.file("flat.exr").string();
+  silently([&] {
+    return run_convert({.input = render_.input,
+                        .output = deep,
+                        .lights = {},
+                        .shadow = render_.shadow,
+                        .prepare = render_.prepare},
+                       quiet);
+  });
+  ASSERT_EQ(std::system(fmt::format("oiiotool {} --flatten -o {}", deep, flat).c_str()), 0);
+  const Image frame = layer("");
+  const Image found = read_image(flat);
+  ASSERT_EQ(found.pixels.size(), frame.pixels.size());
+  for (size_t i = 0; i < frame.pixels.size(); ++i) {
+    ASSERT_NEAR(found.pixels[i], frame.pixels[i], 0x1p-10f * frame.pixels[i] + 1e-6f) << i;
+  }
+}
+
+}  // namespace
+}  // namespace relume::test
