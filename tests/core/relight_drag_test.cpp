@@ -241,6 +241,23 @@ TEST_F(DragTest, ACancelledCallLeavesNothingWrong) {
   EXPECT_EQ(max_difference(state_.frame, render_frame(cache_, lights_)), 0);
 }
 
+/// A tile as small as a point is missed right behind the end of the light, not far behind.
+TEST(LightReach, EndsWhereTheRangeAndTheConeEnd) {
+  const auto reaches = [](const Light& light, vec3 p) {
+    Bounds point;
+    point.extend(p);
+    return can_reach(make_kernel_light(light, 1), point);
+  };
+  Light lamp = make_point_light({1, 0, 0});
+  lamp.range = 2;
+  EXPECT_TRUE(reaches(lamp, {2.99f, 0, 0}));
+  EXPECT_FALSE(reaches(lamp, {3.02f, 0, 0}));
+  const Light spot = make_spot_light({0, 0, 0}, {0, 0, -1}, 10, 45);
+  EXPECT_TRUE(reaches(spot, {0.99f, 0, -1}));
+  EXPECT_FALSE(reaches(spot, {1.03f, 0, -1}));
+  EXPECT_FALSE(reaches(spot, {0, 0, 1}));
+}
+
 /// Random narrow spots and short lights in and around the records; none may lose a lit tile.
 TEST_F(DragTest, ATileIsMissedOnlyWhereItGetsNothing) {
   const std::vector<Bounds> bounds = tile_bounds(cache_);
