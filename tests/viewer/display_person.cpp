@@ -140,6 +140,7 @@ TEST_F(Person, DragsUndoesSavesIsKilledAndGoesOn) {
   xdotool({"type", folder_.file("mine").string()});
   press("Return");
   ASSERT_TRUE(appears(folder_.file("mine.json")));
+  std::this_thread::sleep_for(1s);  // frames later its dialog takes no more keys
   const std::string saved = read_all(folder_.file("mine.json"));
   press("period");
   const std::string unsaved = wait_for_autosave(saved);
