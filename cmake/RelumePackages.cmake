@@ -27,6 +27,7 @@ relume_find(tinyobjloader libtinyobjloader-dev)
 relume_find_pkg(tinygltf tinygltf libtinygltf-dev)
 relume_find(OpenImageIO libopenimageio-dev)
 relume_find_pkg(xxhash libxxhash libxxhash-dev)
+relume_find(ZLIB zlib1g-dev)
 
 # Debian's OpenImageIO names an OpenCV include folder that its package does not install.
 foreach(target OpenImageIO::OpenImageIO OpenImageIO::OpenImageIO_Util)

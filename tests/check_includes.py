@@ -42,6 +42,7 @@ LIBRARIES = {
     r"tiny_obj_loader\.h": ["core/scene/io/obj.cpp"],
     r"nlohmann/": ["core/scene/io/json_", "viewer/commands/json_output.cpp", "tests/"],
     r"xxhash\.h": ["core/samples/cache_info.cpp"],
+    r"zlib\.h": ["core/scene/io/packed_file.cpp", "tests/core/scene_packed_file_test.cpp"],
     r"pybind11/": ["viewer/python/module.cpp"],
     r"glm/": ["core/math/vec.h"],
     r"(GLFW|backends/imgui_impl_glfw)": ["viewer/display/glfw_window.cpp", "tests/viewer/display_window.cpp"],

@@ -355,7 +355,7 @@ TEST_F(PbrtFile, MistakesNameFileAndLine) {
   expect_error("Texture \"a\" \"color\" \"imagemap\" \"string filename\" \"gone.png\"",
                "a b.pbrt:1");
   expect_error("Shape \"plymesh\" \"string filename\" \"gone.ply\"", "gone.ply");
-  expect_error("Shape \"plymesh\" \"string filename\" \"a.ply.gz\"", "unpack it");
+  expect_error("Shape \"plymesh\" \"string filename\" \"gone.ply.gz\"", "gone.ply.gz");
   expect_error("Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 ]", "has 4 numbers");
   expect_error(
       "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ] \"integer indices\" "

@@ -138,7 +138,7 @@ constexpr ReadTarget targets[] = {
     {"exr", ".exr", read_picture},      {"png", ".png", read_picture},
     {"jpeg", ".jpg", read_picture},     {"frame", ".exr", read_frame},
     {"aov", ".exr", read_aov},          {"deep", ".exr", read_aov},
-    {"command", ".txt", read_command},
+    {"command", ".txt", read_command},  {"packed", ".ply.gz", read_ply_file},
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "core/scene/io/gltf.h"
 #include "core/scene/io/hair_file.h"
 #include "core/scene/io/obj.h"
+#include "core/scene/io/packed_file.h"
 #include "core/scene/io/pbrt.h"
 #include "core/scene/io/ply_file.h"
 #include "core/scene/io/scatter.h"
@@ -85,7 +86,7 @@ class GeometryReader {
 
   void read_file(const JsonNode& node, const JsonNode& file) {
     const std::filesystem::path path = read_path(file, folder_);
-    const std::string extension = path.extension().string();
+    const std::string extension = unpacked_name(path).extension().string();
     Prototype prototype;
     if (extension == ".obj" || extension == ".OBJ") {
       prototype.shapes.emplace_back(read_obj(node, path));

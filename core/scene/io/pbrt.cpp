@@ -6,6 +6,7 @@
 
 #include "core/math/transform.h"
 #include "core/scene/io/imported_scene.h"
+#include "core/scene/io/packed_file.h"
 #include "core/scene/io/pbrt_materials.h"
 #include "core/scene/io/pbrt_shapes.h"
 #include "core/scene/io/pbrt_world.h"
@@ -155,7 +156,7 @@ class PbrtLoader {
 }  // namespace
 
 bool is_pbrt_path(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
+  std::string extension = unpacked_name(path).extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return std::tolower(c); });
   return extension == ".pbrt";

@@ -96,7 +96,6 @@ IndexedMesh read_disk(const PbrtParameters& parameters) {
 IndexedMesh read_plymesh(const PbrtParameters& parameters, const std::filesystem::path& folder) {
   const std::string name = parameters.text("filename", "");
   if (name.empty()) parameters.fail("plymesh lacks its filename", "give one");
-  if (name.ends_with(".gz")) parameters.fail("its PLY file is packed", "unpack it");
   return read_ply(pbrt_file(folder, name, parameters.place));
 }
 

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/base/file.h"
+#include "core/scene/io/packed_file.h"
 
 namespace relume {
 namespace {
@@ -74,10 +74,6 @@ bool ends_word(char c) {
   return is_blank(c) || c == '"' || c == '[' || c == ']' || c == '#';
 }
 
-std::string_view text_of(const MappedFile& file) {
-  return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
-}
-
 }  // namespace
 
 enum class PbrtTokenKind { end, word, quoted, open, close };
@@ -89,7 +85,7 @@ struct PbrtReader::Token {
 
 struct PbrtReader::Source {
   std::string name;
-  MappedFile file;
+  PackedFile file;
   std::string_view rest;
   int line = 1;
 };
@@ -164,8 +160,8 @@ std::filesystem::path pbrt_file(const std::filesystem::path& folder, const std::
 PbrtReader::PbrtReader(const std::filesystem::path& path) : folder_(path.parent_path()) {
   auto source = std::make_unique<Source>();
   source->name = path.string();
-  source->file = MappedFile(path);
-  source->rest = text_of(source->file);
+  source->file = PackedFile(path);
+  source->rest = source->file.text();
   sources_.push_back(std::move(source));
 }
 
@@ -250,7 +246,6 @@ std::optional<PbrtStatement> PbrtReader::next() {
 }
 
 void PbrtReader::include(const std::string& name, const std::string& place) {
-  if (name.ends_with(".gz")) throw input_error(place, "includes a packed file", "unpack it");
   if (sources_.size() >= max_include_depth || ++included_ > max_includes) {
     throw limit_error(place, "includes too much",
                       fmt::format("the limits are {} files in each other and {} together",
@@ -264,8 +259,8 @@ void PbrtReader::include(const std::string& name, const std::string& place) {
   }
   auto source = std::make_unique<Source>();
   source->name = path.string();
-  source->file = MappedFile(path);
-  source->rest = text_of(source->file);
+  source->file = PackedFile(path);
+  source->rest = source->file.text();
   sources_.push_back(std::move(source));
 }
 

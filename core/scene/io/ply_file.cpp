@@ -9,8 +9,8 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "core/base/file.h"
 #include "core/base/label.h"
+#include "core/scene/io/packed_file.h"
 #include "core/scene/limits.h"
 
 namespace relume {
@@ -322,9 +322,8 @@ class BodyReader {
 
 IndexedMesh read_ply(const std::filesystem::path& path) {
   const std::string file = path.string();
-  const MappedFile mapped(path);
-  const std::string_view text(reinterpret_cast<const char*>(mapped.bytes().data()),
-                              mapped.bytes().size());
+  const PackedFile packed(path);
+  const std::string_view text = packed.text();
   const Header header = HeaderReader(text, file).read();
   return BodyReader(text.substr(header.bytes), header, file).read();
 }
