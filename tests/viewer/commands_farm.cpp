@@ -86,9 +86,9 @@ class OpenMpi : public testing::Test {
   std::map<std::string, std::string> take_results() const {
     std::map<std::string, std::string> results;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.file("out"))) {
-      const bool is_cut_short = entry.path().extension().string().starts_with(".tmp");
-      if (entry.is_regular_file() && !is_cut_short)
-        results[entry.path().string()] = read_all(entry.path());
+      const bool is_cut_short = entry.path().extension().string().starts_with(".relume-tmp-");
+      if (!entry.is_regular_file() || is_cut_short) continue;
+      results[entry.path().string()] = read_all(entry.path());
     }
     std::filesystem::remove_all(folder_.file("out"));
     std::filesystem::create_directory(folder_.file("out"));
