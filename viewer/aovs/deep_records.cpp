@@ -208,7 +208,7 @@ class DeepRecordMaker {
   const RelightCache& cache_;
   BlockDecoder decoder_;
   CameraRays rays_;
-  std::vector<vec3> radiance_;  ///< of each receiver, without its weight
+  std::vector<vec3> radiance_;   ///< of each receiver, without its weight
   std::vector<float> emission_;  ///< of each pixel, RGB; empty: none
   DeepImage image_;
   std::vector<std::vector<size_t>> channel_of_field_;  ///< per type, per field

@@ -28,7 +28,8 @@ RelightInput trace_scene(Scene scene, const CommonOptions& common) {
   input.tracer = std::make_unique<const Tracer>(*input.scene);
   report_tracer(*input.scene, *input.tracer, common);
   if (has_emission(*input.scene)) {
-    fmt::print(stderr, "{}: some of its materials emit light: it is seen, but lights nothing else\n",
+    fmt::print(stderr,
+               "{}: some of its materials emit light: it is seen, but lights nothing else\n",
                input.scene->name);
   }
   return input;
