@@ -4,28 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 
 namespace relume {
-
-/// A read-only memory-mapped file. Empty files map to an empty span.
-class MappedFile {
- public:
-  MappedFile() = default;
-  /// Throws Error(input) when `path` cannot be opened or mapped.
-  explicit MappedFile(const std::filesystem::path& path);
-  ~MappedFile();
-  MappedFile(MappedFile&& other) noexcept;
-  MappedFile& operator=(MappedFile&& other) noexcept;
-
-  std::span<const std::byte> bytes() const { return {data_, size_}; }
-
- private:
-  const std::byte* data_ = nullptr;
-  size_t size_ = 0;
-};
 
 /// Writes a file so that readers see the old or the new one, never a part: everything goes to a
 /// temporary beside `path`; commit() flushes it to disk (fsync), renames it over `path` and syncs

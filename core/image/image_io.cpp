@@ -13,6 +13,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/mapped_file.h"
 #include "core/image/color_config.h"
 #include "core/image/exr_header.h"
 #include "core/math/color.h"

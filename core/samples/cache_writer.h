@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/base/file.h"
 #include "core/samples/cache_format.h"
 #include "core/samples/pack.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
+#include "core/base/mapped_file.h"
 #include "core/math/vec.h"
 #include "core/samples/footprint.h"
 #include "core/samples/pixel_share.h"

@@ -138,30 +138,6 @@ TEST(AtomicFile, RemovesWhatKilledWritersLeftAndNothingElse) {
   close(writer);
 }
 
-TEST(MappedFile, ReadsTheBytes) {
-  const TemporaryFolder folder;
-  const std::string text("a\0b\xff", 4);
-  write_all(folder.file("a"), text);
-  MappedFile file(folder.file("a"));
-  ASSERT_EQ(file.bytes().size(), 4u);
-  EXPECT_EQ(std::to_integer<int>(file.bytes()[3]), 0xff);
-  const MappedFile moved(std::move(file));
-  EXPECT_EQ(moved.bytes().size(), 4u);
-  EXPECT_TRUE(file.bytes().empty());  // NOLINT: moved-from state is documented by the default
-}
-
-TEST(MappedFile, EmptyFileIsAnEmptySpan) {
-  const TemporaryFolder folder;
-  write_all(folder.file("a"), "");
-  EXPECT_TRUE(MappedFile(folder.file("a")).bytes().empty());
-}
-
-TEST(MappedFile, MissingFileAndFolderAreInputErrors) {
-  const TemporaryFolder folder;
-  EXPECT_ERROR(MappedFile(folder.file("none")), ErrorKind::input, "none");
-  EXPECT_ERROR(MappedFile{folder.path()}, ErrorKind::input, "not a regular file");
-}
-
 TEST(ReadTextFile, RefusesWhatIsLargerThanAsked) {
   const TemporaryFolder folder;
   write_all(folder.file("a"), "12345");

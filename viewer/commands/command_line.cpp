@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/mapped_file.h"
 #include "core/base/parallel.h"
 #include "core/base/progress.h"
 #include "core/scene/channel_map.h"
@@ -457,6 +458,7 @@ int run_parsed(Parsed& parsed, const Team& team) {
   if (!takes_part(parsed, team)) return 0;
   set_thread_count(parsed.common.threads);
   install_interrupt_handler();
+  install_mapping_guard();
   const int code = parsed.command();
   if (parsed.common.verbose) fmt::print(stderr, "{}", rare_events());
   return code;

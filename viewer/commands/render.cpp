@@ -1,4 +1,5 @@
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/timer.h"
 #include "core/scene/io/load_scene.h"
 #include "viewer/commands/commands.h"

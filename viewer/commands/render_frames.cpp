@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/label.h"
 #include "core/base/timer.h"
 #include "core/scene/io/load_light_animations.h"

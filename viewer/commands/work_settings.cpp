@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
-#include "core/base/file.h"
+#include "core/base/mapped_file.h"
 #include "core/samples/geometry_hash.h"
 #include "viewer/study/trial_log.h"
 

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/mapped_file.h"
 #include "core/base/timer.h"
 #include "core/samples/cache_format.h"
 

@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/mapped_file.h"
 #include "core/scene/io/gltf_check.h"
 #include "core/scene/limits.h"
 

@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/base/file.h"
+#include "core/base/mapped_file.h"
 #include "core/scene/limits.h"
 
 namespace relume {

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "core/base/file.h"
+#include "core/base/mapped_file.h"
 
 namespace relume {
 
