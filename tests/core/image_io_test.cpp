@@ -14,6 +14,7 @@
 #include "core/base/timer.h"
 #include "core/math/color.h"
 #include "core/scene/io/texture_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace relume {
 namespace {
@@ -23,17 +24,10 @@ using Bytes = std::vector<uint8_t>;
 
 class ImageIo : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("relume_image_io_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path in_folder(const std::string& name) const { return folder_ / name; }
+  fs::path in_folder(const std::string& name) const { return folder_.file(name); }
 
  private:
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 Image random_image(int width, int height, int channels, uint64_t seed) {

@@ -27,7 +27,8 @@ std::string read_bytes(const std::filesystem::path& path) {
 }
 
 std::filesystem::path fresh_folder(const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
+  static const test::TemporaryFolder of_this_process;
+  const std::filesystem::path folder = of_this_process.file(name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;
@@ -45,7 +46,7 @@ struct Stage {
         screen(workspace, gl, {.scale = 1, .show_timings = false}) {}
 
   void play(const std::string& text) {
-    play_script(parse_script(text, "test"), workspace, screen, gl, surface, testing::TempDir());
+    play_script(parse_script(text, "test"), workspace, screen, gl, surface, folder.path());
   }
   DisplayImage look() const { return read_framebuffer(gl, surface.size_px()); }
   vec2 center(const std::string& item) const {
@@ -54,6 +55,7 @@ struct Stage {
     return rect ? rect->center() : vec2(0);
   }
 
+  const test::TemporaryFolder folder;  // of screenshots
   Workspace workspace;
   Session& session;
   OsmesaSurface surface;

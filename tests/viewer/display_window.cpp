@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/viewer/child_process.h"
 #include "tests/viewer/fake_session.h"
 #include "tests/viewer/x_server.h"
@@ -53,7 +54,8 @@ std::filesystem::path helper_folder() {
 }
 
 std::filesystem::path fresh_folder(const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
+  static const test::TemporaryFolder of_this_process;
+  const std::filesystem::path folder = of_this_process.file(name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

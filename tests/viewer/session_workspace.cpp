@@ -206,8 +206,10 @@ TEST(Workspace, SavingWhereItCannotIsANotice) {
 
 TEST(Workspace, WorkThatWasNotSavedIsRestoredAfterAKill) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  // The same folder in the process that ends.
-  const std::filesystem::path state = std::filesystem::path(testing::TempDir()) / "relume_killed";
+  // The same folder in the process that ends, which runs the test from its beginning.
+  const TemporaryFolder folder;
+  setenv("RELUME_TEST_STATE", folder.path().c_str(), 0);
+  const std::filesystem::path state = std::getenv("RELUME_TEST_STATE");
   EXPECT_EXIT(
       {
         Desk desk(state);
@@ -222,7 +224,7 @@ TEST(Workspace, WorkThatWasNotSavedIsRestoredAfterAKill) {
     desk.workspace.undo();
     EXPECT_EQ(desk.view().lights[0].gain, 1);
   }
-  std::filesystem::remove_all(state);
+  unsetenv("RELUME_TEST_STATE");
 }
 
 TEST(Workspace, LeavingKeepsTheWorkAsTheLastSession) {
