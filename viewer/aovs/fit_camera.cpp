@@ -69,7 +69,7 @@ struct CenteredPoint {
 };
 
 struct CenteredPoints {
-  std::vector<CenteredPoint> points;
+  std::vector<CenteredPoint> points;  ///< none where all are in one place
   dvec3 center{0};
   double scale = 0;
 };
@@ -81,6 +81,7 @@ CenteredPoints center_points(std::span<const SeenPoint> points, int width, int h
   for (const SeenPoint& point : points) {
     result.scale = std::max(result.scale, glm::distance(dvec3(point.position), result.center));
   }
+  if (!(result.scale > 0)) return result;
   for (const SeenPoint& point : points) {
     result.points.push_back({(dvec3(point.position) - result.center) / result.scale,
                              (2.0 * point.film_px.x - width) / height,

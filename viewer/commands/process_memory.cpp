@@ -6,6 +6,11 @@
 #include <fstream>
 #include <string>
 
+#if defined(__SANITIZE_ADDRESS__)
+/// Of AddressSanitizer, whose header Debian's GCC does not bring.
+extern "C" size_t __sanitizer_get_current_allocated_bytes();
+#endif
+
 namespace relume {
 
 uint64_t peak_memory_bytes() {
@@ -15,7 +20,9 @@ uint64_t peak_memory_bytes() {
 }
 
 uint64_t allocated_bytes() {
-#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+#if defined(__SANITIZE_ADDRESS__)
+  return __sanitizer_get_current_allocated_bytes();  // glibc's own heap is not used
+#elif defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const auto info = mallinfo2();
   return info.uordblks + info.hblkhd;
 #else

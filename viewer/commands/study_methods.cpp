@@ -136,13 +136,14 @@ std::string label_of_trial(const MethodTrial& trial) {
 
 using Figures = std::vector<MethodFigure>;
 
-/// The report's K-means at the same k and shadow, or nothing; a budget is held against k = 8.
+/// The report's K-means at the same k and shadow, a budget against k = 8; nothing where there is
+/// none or it has no error.
 const MethodFigure* base_of(const Figures& figures, const MethodFigure& figure) {
   const int k = figure.trial.budget.is_set() ? 8 : figure.trial.records;
   for (const MethodFigure& base : figures) {
     if (base.trial.method == ReductionMethod::kmeans && base.trial.records == k &&
         base.shadow == figure.shadow) {
-      return &base;
+      return base.error > 0 ? &base : nullptr;
     }
   }
   return nullptr;

@@ -158,8 +158,9 @@ SharedWork::Bytes SharedWork::result(int stage, size_t item) const {
   const auto bytes = file.bytes();
   uint64_t seal = 0;
   const size_t size = bytes.size() - std::min(bytes.size(), sizeof(seal));
-  std::memcpy(&seal, bytes.data() + size, bytes.size() - size);
-  if (bytes.size() < sizeof(seal) || seal != hash_bytes(bytes.first(size))) {
+  const bool has_seal = bytes.size() >= sizeof(seal);
+  if (has_seal) std::memcpy(&seal, bytes.data() + size, sizeof(seal));
+  if (!has_seal || seal != hash_bytes(bytes.first(size))) {
     throw input_error(path.string(), "is damaged",
                       fmt::format("remove {} and run the command again", folder_.string()));
   }
