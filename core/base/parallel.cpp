@@ -19,6 +19,18 @@ namespace {
 
 int limit_from_user = 0;
 
+/// Where a body ends, by an exception too.
+struct JoinEdge {
+  char& edge;
+  ~JoinEdge() { __tsan_release(&edge); }
+};
+
+/// Where those that wait go on, by an exception too.
+struct WaitEdge {
+  char& edge;
+  ~WaitEdge() { __tsan_acquire(&edge); }
+};
+
 /// The user's threads. The arena is what lets a loop use more of them than the machine has, which
 /// tests of determinism need; the control holds for Embree's loops too.
 struct Threads {
@@ -63,15 +75,15 @@ void parallel_for(size_t count, size_t grain,
   char fork_edge = 0;
   char join_edge = 0;
   __tsan_release(&fork_edge);
+  const WaitEdge wait{join_edge};
   run([&] {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, count, std::max<size_t>(1, grain)),
                       [&](const tbb::blocked_range<size_t>& range) {
+                        const JoinEdge join{join_edge};
                         __tsan_acquire(&fork_edge);
                         body(range.begin(), range.end());
-                        __tsan_release(&join_edge);
                       });
   });
-  __tsan_acquire(&join_edge);
 }
 
 }  // namespace relume
