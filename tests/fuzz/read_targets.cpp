@@ -12,7 +12,7 @@
 #include "core/relight/receivers.h"
 #include "core/samples/relight_cache.h"
 #include "core/scene/channel_map.h"
-#include "core/scene/io/gltf_file.h"
+#include "core/scene/io/gltf.h"
 #include "core/scene/io/hair_file.h"
 #include "core/scene/io/load_scene.h"
 #include "core/scene/io/obj.h"
@@ -41,12 +41,21 @@ void read_scene(const fs::path& path) {
   load_scene(path.string(), shader_table());
 }
 
+/// What is written again must be read, and written as the same text.
+void expect_same_text(const std::string& first, const std::string& second) {
+  if (first != second) {
+    throw std::logic_error("what was written is read as something else: " + first.substr(0, 400));
+  }
+}
+
 void read_lights(const fs::path& path) {
-  parse_lights(text_of(path), path.string());
+  const std::string text = format_lights(parse_lights(text_of(path), path.string()));
+  expect_same_text(text, format_lights(parse_lights(text, "what was written")));
 }
 
 void read_session(const fs::path& path) {
-  parse_session(text_of(path), path.string());
+  const std::string text = format_session(parse_session(text_of(path), path.string()));
+  expect_same_text(text, format_session(parse_session(text, "what was written")));
 }
 
 void read_channel_map(const fs::path& path) {
@@ -79,7 +88,11 @@ void read_hair(const fs::path& path) {
 }
 
 void read_gltf_file(const fs::path& path) {
-  read_gltf(path);
+  Scene scene;
+  scene.shaders.assign(shader_table().begin(), shader_table().end());
+  load_gltf(path, {}, scene);
+  const std::string text = gltf_scene_text(path);
+  (void)text;
 }
 
 void read_ply_file(const fs::path& path) {
