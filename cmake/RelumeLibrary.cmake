@@ -14,7 +14,6 @@ set_target_properties(relume_library PROPERTIES OUTPUT_NAME relume EXPORT_NAME r
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
   CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 
-install(TARGETS relume RUNTIME COMPONENT program)
 install(TARGETS relume_library EXPORT relume-targets
   LIBRARY COMPONENT program NAMELINK_COMPONENT development)
 install(FILES ${CMAKE_SOURCE_DIR}/viewer/library/relume.h
@@ -34,17 +33,21 @@ install(FILES ${CMAKE_BINARY_DIR}/relume-config-version.cmake DESTINATION ${pack
 install(FILES ${CMAKE_BINARY_DIR}/relume.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
   COMPONENT development)
 
-# The manual and the shell's completion say what the program itself says.
-foreach(page manual completion)
-  add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/relume.${page}
-    COMMAND relume ${page} > ${CMAKE_BINARY_DIR}/relume.${page} DEPENDS relume VERBATIM)
-endforeach()
-add_custom_target(relume_pages ALL
-  DEPENDS ${CMAKE_BINARY_DIR}/relume.manual ${CMAKE_BINARY_DIR}/relume.completion)
-install(FILES ${CMAKE_BINARY_DIR}/relume.manual RENAME relume.1
-  DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
-install(FILES ${CMAKE_BINARY_DIR}/relume.completion RENAME relume
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+if(RELUME_PROGRAM)
+  install(TARGETS relume RUNTIME COMPONENT program)
+
+  # The manual and the shell's completion say what the program itself says.
+  foreach(page manual completion)
+    add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/relume.${page}
+      COMMAND relume ${page} > ${CMAKE_BINARY_DIR}/relume.${page} DEPENDS relume VERBATIM)
+  endforeach()
+  add_custom_target(relume_pages ALL
+    DEPENDS ${CMAKE_BINARY_DIR}/relume.manual ${CMAKE_BINARY_DIR}/relume.completion)
+  install(FILES ${CMAKE_BINARY_DIR}/relume.manual RENAME relume.1
+    DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  install(FILES ${CMAKE_BINARY_DIR}/relume.completion RENAME relume
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+endif()
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE RENAME copyright
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/relume COMPONENT program)
 
@@ -61,6 +64,9 @@ if(RELUME_PYTHON)
 endif()
 
 # ./dev package: relume, librelume-dev, python3-relume.
+if(NOT RELUME_PROGRAM)
+  return()
+endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME relume)
 set(CPACK_PACKAGE_CONTACT "The Relume developers")
@@ -77,6 +83,12 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME relume)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
 # Loaded when they are first needed.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libosmesa6, fonts-dejavu-core")
+# dpkg's trigger does what the scripts do that CPack writes for shared libraries, and leaves nothing
+# behind when the package is removed. CPack writes none that it finds named here, there or not.
+set(package_control ${CMAKE_BINARY_DIR}/package_control)
+file(WRITE ${package_control}/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA ${package_control}/triggers
+  ${package_control}/postinst ${package_control}/postrm)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME librelume-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "relume (= ${PROJECT_VERSION})")

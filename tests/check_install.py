@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Installs a build into a folder of its own and uses it as a stranger would.
 
-Usage: check_install.py SOURCE BUILD CMAKE CXX PYTHON ("" where the module is not built). Runs the
-installed program, the C++ example found by find_package and by pkg-config, and the Python example.
+Usage: check_install.py SOURCE BUILD CMAKE CXX PYTHON PROGRAM (PYTHON: "" where the module is not
+built; PROGRAM: 1, or 0 where the library is built alone). Runs the installed program, the C++ example
+found by find_package and by pkg-config, and the Python example. The library alone must have been
+built without a header of the window or the command line.
 """
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -24,6 +27,15 @@ def check_program(prefix):
     assert "relume" in run(prefix / "bin/relume", "--version")
     assert '.TH RELUME 1' in (prefix / "share/man/man1/relume.1").read_text(encoding="utf-8")
     assert (prefix / "share/bash-completion/completions/relume").is_file()
+
+
+def check_library_alone(build, prefix):
+    assert not (prefix / "bin").exists()
+    # What Ninja knows of headers; other generators keep it elsewhere.
+    if (build / ".ninja_deps").is_file():
+        headers = run("ninja", "-C", build, "-t", "deps")
+        found = sorted(set(re.findall(r"\S*/(?:GL|GLFW|CLI|imgui)/\S*", headers)))
+        assert "glm/" in headers and not found, found[:5]
 
 
 def check_find_package(examples, prefix, folder, cmake, compiler):
@@ -50,13 +62,16 @@ def check_python(examples, prefix, folder, python):
 
 
 def main():
-    source, build, cmake, compiler, python = sys.argv[1:6]
+    source, build, cmake, compiler, python, program = sys.argv[1:7]
     examples = pathlib.Path(source) / "tests/examples"
     with tempfile.TemporaryDirectory(prefix="relume-install-") as name:
         folder = pathlib.Path(name)
         prefix = folder / "prefix"
         run(cmake, "--install", build, "--prefix", prefix)
-        check_program(prefix)
+        if program == "1":
+            check_program(prefix)
+        else:
+            check_library_alone(pathlib.Path(build), prefix)
         check_find_package(examples, prefix, folder, cmake, compiler)
         check_pkg_config(examples, prefix, folder, compiler)
         if python:
