@@ -32,9 +32,6 @@ struct DeepImage {
 void write_deep_exr(const std::filesystem::path& path, const DeepImage& image,
                     const std::vector<std::pair<std::string, std::string>>& metadata = {});
 
-/// True for an image file that holds deep pixels; false for any other or no file.
-bool is_deep_image(const std::filesystem::path& path);
-
 /// Channel names of a deep image and its size. Throws Error(input) or Error(limit).
 DeepImage read_deep_header(const std::filesystem::path& path);
 

@@ -12,6 +12,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/aovs/aov_reader.h"
+#include "viewer/aovs/aov_strips.h"
 #include "viewer/aovs/aov_writer.h"
 #include "viewer/commands/commands.h"
 
@@ -58,8 +59,8 @@ class Aovs : public testing::Test {
     return folder_.file("map.json").string();
   }
 
-  /// The picture under traced shadows of what is sampled from `source`, or from the scene.
-  Image picture(const AovSamples* samples, ReductionMethod method) {
+  /// What is sampled from `source`, or from the scene.
+  RelightCache prepare(const AovSamples* samples, ReductionMethod method) {
     Scene scene = scene_;
     if (samples) samples->add_materials(scene);
     const Tracer tracer(scene);
@@ -73,9 +74,14 @@ class Aovs : public testing::Test {
     SampleSource source;
     if (samples) source = samples->source();
     if (samples) params.source = &source;
-    const RelightCache cache = prepare_in_memory(scene, tracer, params, {});
-    const auto shadows = make_shadow(ShadowMethod::ray, tracer, cache);
-    return render_frame(cache, scene.lights, shadows.get());
+    return prepare_in_memory(scene, tracer, params, {});
+  }
+
+  /// The picture of the same under traced shadows.
+  Image picture(const AovSamples* samples, ReductionMethod method) {
+    const RelightCache cache = prepare(samples, method);
+    const auto shadows = make_shadow(ShadowMethod::ray, tracer_, cache);
+    return render_frame(cache, scene_.lights, shadows.get());
   }
 
   TemporaryFolder folder_;
@@ -127,6 +133,37 @@ TEST_F(HairAovs, GiveThePictureThatTheSceneGives) {
   const AovSamples samples = read();
   EXPECT_EQ(picture(nullptr, ReductionMethod::all).pixels,
             picture(&samples, ReductionMethod::all).pixels);
+}
+
+TEST_F(Aovs, GiveTheSameBytesWhateverStaysInMemory) {
+  const ChannelMap map = load_channel_map("relume", shader_table());
+  const AovSamples all(file_, map, side, scene_.camera);
+  const AovSamples nothing(file_, map, side, scene_.camera, 0);
+  const RelightCache expected = prepare(&all, ReductionMethod::strong_kmeans);
+  const RelightCache found = prepare(&nothing, ReductionMethod::strong_kmeans);
+  EXPECT_TRUE(std::ranges::equal(found.bytes(), expected.bytes()));
+}
+
+TEST_F(Aovs, KeepNoMoreStripsThanTheyMay) {
+  const std::vector<std::string> names = {"P.X", "P.Y", "P.Z"};
+  const auto open = [&](uint64_t kept_bytes) {
+    ExrRows file(file_);
+    file.choose(names);
+    return std::make_unique<AovStrips>(file_, std::move(file), side, names.size(),
+                                       AovStrips::Weighing::even, kept_bytes);
+  };
+  const auto strips = open(0);
+  ASSERT_EQ(strips->count(), 2);
+  const std::weak_ptr<const AovStrip> first = strips->strip(0);
+  EXPECT_FALSE(first.expired());
+  const uint64_t bytes = first.lock()->bytes();
+  EXPECT_EQ(bytes, sizeof(float) * 3 * side * side * width * tile_size);
+  strips->strip(1);
+  EXPECT_TRUE(first.expired());
+  const auto enough = open(2 * bytes);
+  const std::weak_ptr<const AovStrip> kept = enough->strip(0);
+  enough->strip(1);
+  EXPECT_EQ(kept.lock(), enough->strip(0));
 }
 
 TEST_F(Aovs, AnImageOfTheSamplesTilesHoldsThem) {

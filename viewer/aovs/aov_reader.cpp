@@ -4,8 +4,6 @@
 
 #include "core/base/check.h"
 #include "core/base/error.h"
-#include "core/image/deep_io.h"
-#include "core/image/image_io.h"
 #include "core/scene/limits.h"
 #include "core/trace/ray_bias.h"
 #include "viewer/aovs/fit_camera.h"
@@ -13,13 +11,11 @@
 namespace relume {
 namespace {
 
-constexpr uint64_t max_value_bytes = uint64_t{8} << 30;
 /// More samples than this part of them may not look filtered.
 constexpr double most_filtered = 0.01;
 /// Positions further from their pixels count as unseen there; strands lie on their axes.
 constexpr float most_offset_px = 2;
 constexpr double most_unseen = 0.1;
-constexpr uint32_t max_deep_samples = 1024;  // of a pixel
 
 /// The channels of a file, found by names that may lack leading layers.
 class ChannelFinder {
@@ -108,44 +104,39 @@ float exponent_of_roughness(float roughness) {
 }  // namespace
 
 AovSamples::AovSamples(const std::filesystem::path& path, const ChannelMap& map,
-                       int samples_per_side, const std::optional<Camera>& camera)
+                       int samples_per_side, const std::optional<Camera>& camera,
+                       uint64_t kept_bytes)
     : side_(samples_per_side) {
-  if (is_deep_image(path)) {
-    read_deep(path, map);
+  ExrRows file(path);
+  if (file.is_deep()) {
+    open_deep(path, std::move(file), map, kept_bytes);
   } else {
-    read_flat(path, map);
+    open_flat(path, std::move(file), map, kept_bytes);
   }
   camera_ = camera ? *camera : find_camera(path);
   check(path, CameraRays(camera_, width_, height_));
 }
 
-void AovSamples::read_flat(const std::filesystem::path& path, const ChannelMap& map) {
-  const ImageHeader header = read_image_header(path);
-  if (header.width % side_ != 0 || header.height % side_ != 0) {
+void AovSamples::open_flat(const std::filesystem::path& path, ExrRows file, const ChannelMap& map,
+                           uint64_t kept_bytes) {
+  if (file.width() % side_ != 0 || file.height() % side_ != 0) {
     throw input_error(path.string(),
-                      fmt::format("{} x {} pixels are no blocks of {} x {}", header.width,
-                                  header.height, side_, side_),
+                      fmt::format("{} x {} pixels are no blocks of {} x {}", file.width(),
+                                  file.height(), side_, side_),
                       "give --samples, the sub-pixels of a pixel's side");
   }
-  width_ = header.width / side_;
-  height_ = header.height / side_;
+  width_ = file.width() / side_;
+  height_ = file.height() / side_;
   spp_ = side_ * side_;
-  resolve(path.string(), header.channels, map);
-  const uint64_t values = uint64_t{static_cast<uint64_t>(header.width)} *
-                          static_cast<uint64_t>(header.height) * channels_.size();
-  if (values > max_value_bytes / sizeof(float)) {
-    throw limit_error(path.string(), "the channels take more than 8 GiB", "cut the picture");
-  }
-  values_.reserve(values);
-  read_channel_rows(path, channels_, [&](int /*y*/, std::span<const float> row) {
-    values_.insert(values_.end(), row.begin(), row.end());
-  });
+  resolve(path.string(), file.channels(), map);
+  file.choose(channels_);
+  strips_ = std::make_unique<AovStrips>(path, std::move(file), side_, channels_.size(),
+                                        AovStrips::Weighing::even, kept_bytes);
 }
 
-void AovSamples::read_deep(const std::filesystem::path& path, const ChannelMap& map) {
-  const DeepImage header = read_deep_header(path);
-  std::vector<std::string> names;
-  for (const DeepChannel& channel : header.channels) names.push_back(channel.name);
+void AovSamples::open_deep(const std::filesystem::path& path, ExrRows file, const ChannelMap& map,
+                           uint64_t kept_bytes) {
+  const std::vector<std::string> names = file.channels();
   ChannelMap deep_map = map;
   deep_map.coverage.clear();  // whatever is there is a sample
   resolve(path.string(), names, deep_map);
@@ -154,54 +145,23 @@ void AovSamples::read_deep(const std::filesystem::path& path, const ChannelMap& 
   const bool is_alpha = weight.empty();
   if (is_alpha) weight = finder.find_layer("A", 1);
   if (weight.empty()) throw missing_channel(path.string(), "weight' or 'A");
-  std::vector<std::string> wanted = channels_;
-  wanted.push_back(weight.front());
-  DeepImage image = read_deep_image(path, wanted);
-  side_ = 1;
-  width_ = image.width;
-  height_ = image.height;
-  first_.assign(1, 0);
-  for (const uint32_t count : image.counts) {
-    if (count > max_deep_samples) {
-      throw limit_error(path.string(), fmt::format("a pixel holds {} samples", count),
-                        fmt::format("the limit is {}", max_deep_samples));
-    }
-    first_.push_back(first_.back() + count);
-    spp_ = std::max(spp_, static_cast<int>(count));
-  }
-  // The weight becomes the last of each sample's values.
+  // The weight is the last of each sample's values.
   channels_.push_back(weight.front());
-  values_ = std::move(image.values);
-  set_deep_weights(path, is_alpha);
+  side_ = 1;
+  width_ = file.width();
+  height_ = file.height();
+  file.choose(channels_);
+  strips_ = std::make_unique<AovStrips>(
+      path, std::move(file), side_, channels_.size(),
+      is_alpha ? AovStrips::Weighing::alpha : AovStrips::Weighing::weight, kept_bytes);
 }
 
-/// Weights as they stand, or, of alphas, what each sample adds to a picture behind those before it.
-void AovSamples::set_deep_weights(const std::filesystem::path& path, bool is_alpha) {
-  constexpr double most_weight = 1.001;  // half floats
-  for (size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
-    double sum = 0;
-    double transmittance = 1;
-    for (uint64_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
-      const float value = values_[(i + 1) * channels_.size() - 1];
-      const double weight = is_alpha ? value * transmittance : double{value};
-      transmittance *= 1 - double{value};
-      sum += weight;
-      if (!(value >= 0) || !(sum <= most_weight)) {
-        throw input_error(path.string(),
-                          fmt::format("the weights of pixel ({}, {}) are not within [0, 1]",
-                                      pixel % width_, pixel / width_),
-                          "give a channel 'weight', or 'A' of samples sorted by depth");
-      }
-      weights_.push_back(static_cast<float>(weight));
-    }
-  }
-}
-
-void AovSamples::visit_pixel(int x, int y, const VisitSample& visit) const {
-  if (!first_.empty()) {
-    const size_t pixel = static_cast<size_t>(y) * width_ + x;
-    for (uint64_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
-      visit(&values_[i * channels_.size()], weights_[i], vec2(x, y) + 0.5f);
+void AovSamples::visit_pixel(const AovStrip& strip, int x, int y, const VisitSample& visit) const {
+  const int row = y - strip.y0;
+  if (!strip.first.empty()) {
+    const size_t pixel = static_cast<size_t>(row) * width_ + x;
+    for (uint64_t i = strip.first[pixel]; i < strip.first[pixel + 1]; ++i) {
+      visit(&strip.values[i * channels_.size()], strip.weights[i], vec2(x, y) + 0.5f);
     }
     return;
   }
@@ -209,9 +169,19 @@ void AovSamples::visit_pixel(int x, int y, const VisitSample& visit) const {
   for (int cell = 0; cell < side_ * side_; ++cell) {
     const int sub_x = x * side_ + cell % side_;
     const int sub_y = y * side_ + cell / side_;
-    const size_t at = static_cast<size_t>(sub_y) * width_ * side_ + sub_x;
-    visit(&values_[at * channels_.size()], weight,
+    const size_t row_in_strip = static_cast<size_t>(row * side_ + cell / side_);
+    const size_t at = row_in_strip * width_ * side_ + sub_x;
+    visit(&strip.values[at * channels_.size()], weight,
           (vec2(sub_x, sub_y) + 0.5f) / static_cast<float>(side_));
+  }
+}
+
+void AovSamples::visit_samples(const VisitSample& visit) const {
+  for (int index = 0; index < strips_->count(); ++index) {
+    const auto strip = strips_->strip(index);
+    for (int y = strip->y0; y < strip->y0 + strip->height; ++y) {
+      for (int x = 0; x < width_; ++x) visit_pixel(*strip, x, y, visit);
+    }
   }
 }
 
@@ -233,13 +203,9 @@ AovHit AovSamples::make_hit(const float* values, float weight, vec2 film_px) con
 }
 
 void AovSamples::visit_hits(const std::function<void(const AovHit&)>& visit) const {
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      visit_pixel(x, y, [&](const float* values, float weight, vec2 film_px) {
-        if (weight > 0 && is_hit(values)) visit(make_hit(values, weight, film_px));
-      });
-    }
-  }
+  visit_samples([&](const float* values, float weight, vec2 film_px) {
+    if (weight > 0 && is_hit(values)) visit(make_hit(values, weight, film_px));
+  });
 }
 
 /// From the positions of some samples, spread over the picture.
@@ -344,13 +310,10 @@ void AovSamples::check_sample(const std::filesystem::path& path, const CameraRay
 
 void AovSamples::check(const std::filesystem::path& path, const CameraRays& rays) {
   FilterSigns signs;
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      visit_pixel(x, y, [&](const float* values, float, vec2 film_px) {
-        check_sample(path, rays, values, film_px, signs);
-      });
-    }
-  }
+  visit_samples([&](const float* values, float, vec2 film_px) {
+    check_sample(path, rays, values, film_px, signs);
+  });
+  spp_ = std::max(spp_, static_cast<int>(strips_->most_samples()));
   const auto hits = static_cast<double>(sample_count_);
   if (sample_count_ == 0) {
     throw input_error(path.string(), "no sub-pixel holds a sample", "check --channels");
@@ -431,8 +394,9 @@ SampleTile AovSamples::make_tile(const ViewSampler& view, int index) const {
   for (TypedRows& rows : tile.types) rows.first.push_back(0);
   const size_t first_material = view.types.type_of_material.size() - types_.size();
   const CameraRays rays(camera_, width_, height_);
+  const auto strip = strips_->strip(tile.y0 / tile_size);
   for (int pixel = 0; pixel < tile.pixel_count(); ++pixel) {
-    visit_pixel(tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width,
+    visit_pixel(*strip, tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width,
                 [&](const float* values, float weight, vec2 film_px) {
                   if (!(weight > 0) || !is_hit(values)) return;
                   const float least_bias =

@@ -4,6 +4,7 @@
 
 #include "core/scene/channel_map.h"
 #include "core/scene/scene.h"
+#include "viewer/aovs/aov_strips.h"
 #include "viewer/session/prepare.h"
 
 namespace relume {
@@ -17,25 +18,29 @@ struct AovHit {
 };
 
 /// The samples of an AOV image: one a sub-pixel, unfiltered, or those of a deep image, each with
-/// its weight. Const use is thread-safe.
+/// its weight. They stay in the file and are read by rows of tiles, once for each pass over the
+/// picture, so that memory does not grow with it. Const use is thread-safe.
 class AovSamples {
  public:
+  static constexpr uint64_t default_kept_bytes = uint64_t{512} << 20;
+
   /// Reads a deep image, or a flat one whose sides are multiples of `samples_per_side`. Throws
   /// Error(input) naming the file and the reason: a channel that is missing, values that are not
   /// finite, normals or tangents that are not unit in more than 1 of 100 samples, or coverage
   /// between 0 and 1 (the image was filtered), positions that `camera` does not see where they are
   /// (none given: one is sought that does), a position beyond max_coordinate, no samples at all,
-  /// weights of a deep pixel that sum to more than 1; Error(limit) when the values would take more
-  /// than 8 GiB or a deep pixel has more than 1024 samples.
+  /// weights of a deep pixel that sum to more than 1; Error(limit) when the deep samples of a row
+  /// of tiles would take more than 8 GiB or a deep pixel has more than 1024 samples. Values that
+  /// were read stay in memory up to `kept_bytes`; rows of tiles in use come on top.
   AovSamples(const std::filesystem::path& path, const ChannelMap& map, int samples_per_side,
-             const std::optional<Camera>& camera);
+             const std::optional<Camera>& camera, uint64_t kept_bytes = default_kept_bytes);
 
   int width() const { return width_; }  ///< pixels
   int height() const { return height_; }
   uint64_t sample_count() const { return sample_count_; }
   /// Of the view: the one given, or the one that sees the positions where they are.
   const Camera& camera() const { return camera_; }
-  /// Calls visit(hit) for each sample, pixel by pixel.
+  /// Calls visit(hit) for each sample, pixel by pixel: a pass over the file.
   void visit_hits(const std::function<void(const AovHit&)>& visit) const;
   /// Shadow rays leave the square of their sample, which casts shadows itself: biases become at
   /// least its side. Before source() is used.
@@ -72,10 +77,12 @@ class AovSamples {
   /// One sample of a pixel. `film_px`: where it lies, in pixels.
   using VisitSample = std::function<void(const float* values, float weight, vec2 film_px)>;
 
-  void read_flat(const std::filesystem::path& path, const ChannelMap& map);
-  void read_deep(const std::filesystem::path& path, const ChannelMap& map);
-  void set_deep_weights(const std::filesystem::path& path, bool is_alpha);
-  void visit_pixel(int x, int y, const VisitSample& visit) const;
+  void open_flat(const std::filesystem::path& path, ExrRows file, const ChannelMap& map,
+                 uint64_t kept_bytes);
+  void open_deep(const std::filesystem::path& path, ExrRows file, const ChannelMap& map,
+                 uint64_t kept_bytes);
+  void visit_pixel(const AovStrip& strip, int x, int y, const VisitSample& visit) const;
+  void visit_samples(const VisitSample& visit) const;
   void resolve(const std::string& place, const std::vector<std::string>& names,
                const ChannelMap& map);
   int find_type(const float* values) const;
@@ -95,11 +102,7 @@ class AovSamples {
   int id_ = -1;
   std::vector<std::string> channels_;  ///< that are read
   std::vector<Type> types_;
-  std::vector<float> values_;  ///< of each sub-pixel or deep sample, row by row
-  /// Deep: pixel p owns samples [first_[p], first_[p + 1]), whose weights are in weights_. Else
-  /// empty.
-  std::vector<uint64_t> first_;
-  std::vector<float> weights_;
+  std::unique_ptr<AovStrips> strips_;
   int spp_ = 1;
   Camera camera_;
   bool casts_own_shadows_ = false;
