@@ -268,17 +268,35 @@ TEST_F(GltfFile, TexturesOfSurfaceAndNormalsComeWithTheirChannelsAndTangents) {
 }
 
 TEST_F(GltfFile, TellsWhatOfMaterialsIsLeftOut) {
+  write_png(folder_.file("map.png"), {2, 2, 4, std::vector<uint8_t>(16, 200)});
   Parts parts;
   parts.primitive = R"("indices": 3, "material": 0)";
-  parts.more = R"(, "textures": [{}], "materials": [{
+  parts.more = R"(, "images": [{"uri": "map.png"}], "textures": [{"source": 0}], "materials": [{
       "occlusionTexture": {"index": 0}, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
-      "metallicRoughnessTexture": {"index": 0, "texCoord": 1}}}])";
+      "metallicRoughnessTexture": {"index": 0, "texCoord": 1}}, "emissiveFactor": [1, 1, 1],
+      "normalTexture": {"index": 0}, "emissiveTexture": {"index": 0, "texCoord": 1}}])";
   testing::internal::CaptureStderr();
   load(parts);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
             (folder_.file("a b.gltf").string() +
-             ": its materials are read without occlusion, texture coordinates other than "
-             "the first texture's\n"));
+             ": its materials are read without emissiveTexture, which has other texture "
+             "coordinates than the first texture, metallicRoughnessTexture, which has other "
+             "texture coordinates than the first texture, occlusion\n"));
+  EXPECT_EQ(parameter("metallic").texture, -1);
+  EXPECT_EQ(scene_.materials[0].emission_texture, -1);
+  EXPECT_EQ(scene_.materials[0].emission, vec3(0)) << "not all of the surface";
+  EXPECT_GE(scene_.materials[0].normal_texture, 0);
+}
+
+TEST_F(GltfFile, TheSecondSetOfTextureCoordinatesIsReadWhereTheFirstTextureAsksForIt) {
+  write_png(folder_.file("map.png"), {2, 2, 4, std::vector<uint8_t>(16, 200)});
+  Parts parts;
+  parts.attributes = R"("POSITION": 0, "NORMAL": 1, "TEXCOORD_1": 2)";
+  parts.primitive = R"("indices": 3, "material": 0)";
+  parts.more = R"(, "images": [{"uri": "map.png"}], "textures": [{"source": 0}], "materials": [{
+      "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}}])";
+  load(parts);
+  EXPECT_EQ(mesh().uvs.size(), 4u);
 }
 
 TEST_F(GltfFile, ReadsEmissionWithItsStrengthAndTexture) {

@@ -247,6 +247,33 @@ TEST_F(PbrtFile, MaterialsBecomeTheNearestOfOurs) {
   EXPECT_EQ(mesh(scene).triangles.size(), 6u) << "what has no surface is not seen";
 }
 
+TEST_F(PbrtFile, AreaLightsAreSurfacesThatEmit) {
+  const Scene scene = load_shapes(R"(
+      Material "diffuse" "rgb reflectance" [ .1 .2 .3 ]
+      )" + triangle + R"(
+      AttributeBegin
+        AreaLightSource "diffuse" "rgb L" [ 4 2 1 ] "float scale" 3
+        )" + triangle + triangle + R"(
+        TransformBegin
+          AreaLightSource "diffuse"
+        TransformEnd
+        )" + triangle + R"(
+        AreaLightSource "disco" "rgb L" [ 9 9 9 ]
+        )" + triangle + R"(
+      AttributeEnd
+      )" + triangle);
+  ASSERT_EQ(scene.materials.size(), 3u);
+  EXPECT_EQ(scene.materials[0].emission, vec3(0));
+  EXPECT_EQ(scene.materials[1].emission, vec3(12, 6, 3));
+  EXPECT_EQ(scene.materials[2].emission, vec3(1)) << "white unless given; no transform undoes it";
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(parameter(scene, "diffuse", i), vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(mesh(scene).triangles.size(), 6u);
+  const std::string notes =
+      notes_of(R"(AreaLightSource "diffuse" "string filename" "a.exr" )" + triangle);
+  EXPECT_NE(notes.find("images of area lights are left out"), std::string::npos) << notes;
+  EXPECT_EQ(notes_of(R"(AreaLightSource "diffuse" "rgb L" [ 0 0 0 ] )" + triangle), "");
+}
+
 TEST_F(PbrtFile, HairPigmentsGiveItsColour) {
   const std::string curve = R"( Shape "curve" "point3 P" [ 0 0 0  0 1 0  0 2 0  0 3 0 ])";
   const vec3 brown =
@@ -302,7 +329,7 @@ TEST_F(PbrtFile, TellsOnceWhatIsReadDifferently) {
     return found;
   };
   EXPECT_EQ(count("lights of kind \"infinite\" are left out"), 1) << notes;
-  EXPECT_EQ(count("area lights give no light"), 1);
+  EXPECT_EQ(count("area lights are seen, from both sides, but light nothing else"), 1);
   EXPECT_EQ(count("material \"velvet\" is read as grey lambert"), 1);
   EXPECT_EQ(count("shapes of kind \"hyperboloid\" are left out"), 1);
   EXPECT_EQ(count("\n"), 4);

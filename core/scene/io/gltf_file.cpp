@@ -140,7 +140,8 @@ class Reader {
     material.normal_scale = clamped(source.normalTexture.scale, -1000, 1000);
     material.reflectance = read_reflectance(source);
     read_emission(source, place, material);
-    material.left_out = left_out_of(source);
+    if (source.occlusionTexture.index >= 0) material.left_out.emplace_back("occlusion");
+    drop_other_uvs(source, material);
     material.alpha = source.alphaMode == "MASK"    ? GltfAlpha::mask
                      : source.alphaMode == "BLEND" ? GltfAlpha::blend
                                                    : GltfAlpha::opaque;
@@ -229,22 +230,23 @@ class Reader {
     return clamped(root * root * factor, 0, 1);
   }
 
-  /// Texture coordinates are one set a primitive: `info` must ask for those that are read.
-  template <class TextureInfo>
-  bool has_other_uvs(const TextureInfo& info, const UvTransform& read) const {
-    return info.index >= 0 && !(uv_transform(info) == read);
-  }
-
-  std::vector<std::string> left_out_of(const tinygltf::Material& source) const {
-    std::vector<std::string> parts;
-    if (source.occlusionTexture.index >= 0) parts.emplace_back("occlusion");
-    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+  /// Texture coordinates are one set a primitive, those of the first texture: images that lie by
+  /// others are left out, and what they would have given alone.
+  static void drop_other_uvs(const tinygltf::Material& source, GltfMaterial& material) {
     const UvTransform read = uv_transform(source);
-    if (has_other_uvs(pbr.metallicRoughnessTexture, read) ||
-        has_other_uvs(source.normalTexture, read) || has_other_uvs(source.emissiveTexture, read)) {
-      parts.emplace_back("texture coordinates other than the first texture's");
+    const auto drop = [&](const auto& info, const char* name, int& image) {
+      if (image < 0 || uv_transform(info) == read) return false;
+      image = -1;
+      material.left_out.push_back(
+          fmt::format("{}, which has other texture coordinates than the first texture", name));
+      return true;
+    };
+    drop(source.pbrMetallicRoughness.metallicRoughnessTexture, "metallicRoughnessTexture",
+         material.metal_rough_image);
+    drop(source.normalTexture, "normalTexture", material.normal_image);
+    if (drop(source.emissiveTexture, "emissiveTexture", material.emission_image)) {
+      material.emission = vec3(0);  // or all of the surface would shine
     }
-    return parts;
   }
 
   /// Elements of an accessor as doubles, `width` each, in [0, 1] or [-1, 1] where normalised.

@@ -50,7 +50,9 @@ class PbrtLoader {
     std::vector<Instance> instances = place_all();
     if (instances.empty()) throw input_error(file_, "shows no shape that is read", "check it");
     materials_.check_leaves();
-    if (emitters_ > 0) materials_.note("area lights give no light");
+    if (has_emitters_) {
+      materials_.note("area lights are seen, from both sides, but light nothing else");
+    }
     for (const std::string& note : world_.notes()) materials_.note(note);
     materials_.print_notes();
     return instances;
@@ -85,9 +87,10 @@ class PbrtLoader {
     const PbrtState& state = world_.state();
     const std::string& kind = statement.words[0];
     const bool is_strand = kind == "curve";
-    emitters_ += state.is_emitter ? 1 : 0;
-    const auto material = materials_.find(state.material, is_strand, alpha_of(statement));
+    const auto material =
+        materials_.find(state.material, is_strand, alpha_of(statement), state.emission);
     if (!material) return;
+    has_emitters_ |= state.emission != vec3(0);
     const std::string& place = statement.parameters.place;
     ShapeCollector& shapes = object_ != nullptr ? object_->shapes : alone_;
     const mat4x3 transform = affine(state.world_from_local);
@@ -150,7 +153,7 @@ class PbrtLoader {
   std::map<std::string, PbrtObject> objects_;
   PbrtObject* object_ = nullptr;  ///< the one that is being defined
   std::vector<PbrtPlacement> placements_;
-  uint64_t emitters_ = 0;
+  bool has_emitters_ = false;  ///< shapes under an AreaLightSource
 };
 
 }  // namespace

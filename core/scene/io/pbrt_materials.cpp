@@ -357,15 +357,18 @@ Material PbrtMaterials::make_strand(const PbrtLook& look) const {
   return material;
 }
 
-std::optional<uint32_t> PbrtMaterials::find(int number, bool is_strand, const std::string& alpha) {
+std::optional<uint32_t> PbrtMaterials::find(int number, bool is_strand, const std::string& alpha,
+                                            vec3 emission) {
   if (looks_[number].kind == Kind::hidden) return {};
   if (options_.material_override >= 0) return static_cast<uint32_t>(options_.material_override);
-  const auto [found, is_new] = made_.try_emplace({number, is_strand, alpha}, 0);
+  const Made key{number, is_strand, alpha, {emission.x, emission.y, emission.z}};
+  const auto [found, is_new] = made_.try_emplace(key, 0);
   if (!is_new) return found->second;
   Material material = is_strand ? make_strand(looks_[number]) : make_surface(looks_[number]);
   const auto own = textures_.find(alpha);
   const int mask = own != textures_.end() ? own->second.texture : looks_[number].mask;
   if (mask >= 0 && !is_strand) set_alpha_mask(scene_, mask, material);
+  material.emission = emission;
   found->second = add_material(scene_, std::move(material), file_);
   return found->second;
 }

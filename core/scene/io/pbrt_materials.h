@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -47,8 +48,9 @@ class PbrtMaterials {
   int find_named(const PbrtStatement& statement) const;
 
   /// The index in scene.materials of material `number` for surfaces or strands, cut out by the
-  /// texture `alpha` unless that is empty; nothing where it is not to be seen.
-  std::optional<uint32_t> find(int number, bool is_strand, const std::string& alpha);
+  /// texture `alpha` unless that is empty, which emits `emission`; nothing where it is not to be
+  /// seen.
+  std::optional<uint32_t> find(int number, bool is_strand, const std::string& alpha, vec3 emission);
 
   /// Throws Error(input) when a leaf material of the options is none of the file's.
   void check_leaves() const;
@@ -79,7 +81,8 @@ class PbrtMaterials {
   std::vector<PbrtLook> looks_;
   std::map<std::string, int> named_;
   std::map<std::string, PbrtColor> textures_;
-  std::map<std::tuple<int, bool, std::string>, uint32_t> made_;
+  using Made = std::tuple<int, bool, std::string, std::array<float, 3>>;
+  std::map<Made, uint32_t> made_;
   std::set<std::string> notes_;
 };
 

@@ -102,7 +102,7 @@ bool PbrtWorld::apply(const PbrtStatement& statement) {
   } else if (name == "LightSource") {
     read_light(statement);
   } else if (name == "AreaLightSource") {
-    state_.is_emitter = true;
+    read_area_light(statement);
   } else if (name == "MediumInterface" || name == "MakeNamedMedium") {
     notes_.insert("media are left out");
   } else if (name == "Attribute") {
@@ -174,7 +174,7 @@ bool PbrtWorld::attribute(const PbrtStatement& statement) {
     const PbrtState before = state_;
     pop(statement);
     state_.material = before.material;
-    state_.is_emitter = before.is_emitter;
+    state_.emission = before.emission;
   } else {
     return false;
   }
@@ -227,15 +227,31 @@ void PbrtWorld::read_film(const PbrtParameters& parameters) {
   height_ = side("yresolution", height_);
 }
 
-void PbrtWorld::add_light(Light light, const PbrtParameters& parameters, std::string_view power) {
+/// Power, intensity or radiance, times its scale; white unless given.
+vec3 PbrtWorld::read_strength(const PbrtParameters& parameters, std::string_view power) {
   const auto color = pbrt_color(parameters, power).value_or(vec3(1));
   const vec3 scale = pbrt_color(parameters, "scale").value_or(vec3(1));
-  const vec3 strength = glm::clamp(color * scale, vec3(0), vec3(1e20f));
-  light.gain = std::max(max_component(strength), 0.0f);
-  light.color = light.gain > 0 ? strength / light.gain : vec3(1);
   if (parameters.has("power") || parameters.has("illuminance")) {
     notes_.insert("\"power\" and \"illuminance\" of lights are left out");
   }
+  return glm::clamp(color * scale, vec3(0), vec3(max_emission));
+}
+
+void PbrtWorld::read_area_light(const PbrtStatement& statement) {
+  const std::string& kind = statement.words[0];
+  if (kind != "diffuse" && kind != "area") {
+    notes_.insert(fmt::format("area lights of kind \"{}\" are left out", kind));
+    state_.emission = vec3(0);
+    return;
+  }
+  if (statement.parameters.has("filename")) notes_.insert("images of area lights are left out");
+  state_.emission = read_strength(statement.parameters, "L");
+}
+
+void PbrtWorld::add_light(Light light, const PbrtParameters& parameters, std::string_view power) {
+  const vec3 strength = read_strength(parameters, power);
+  light.gain = std::max(max_component(strength), 0.0f);
+  light.color = light.gain > 0 ? strength / light.gain : vec3(1);
   light.name = fmt::format("light-{}", lights_.size() + 1);
   if (lights_.size() >= max_lights) {
     throw limit_error(parameters.place, "too many lights",

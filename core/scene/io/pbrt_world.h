@@ -16,7 +16,7 @@ using dmat4 = glm::dmat4;
 /// What holds at a point of a pbrt scene besides its material.
 struct PbrtState {
   dmat4 world_from_local{1};  ///< the current transform
-  bool is_emitter = false;    ///< an AreaLightSource stands above
+  vec3 emission{0};           ///< radiance of the AreaLightSource above, if any
   int material = 0;
 };
 
@@ -54,7 +54,9 @@ class PbrtWorld {
   void read_camera(const PbrtStatement& statement);
   void read_film(const PbrtParameters& parameters);
   void read_light(const PbrtStatement& statement);
+  void read_area_light(const PbrtStatement& statement);
   void add_light(Light light, const PbrtParameters& parameters, std::string_view power);
+  vec3 read_strength(const PbrtParameters& parameters, std::string_view power);
 
   PbrtReader reader_;
   PbrtState state_;
