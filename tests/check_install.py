@@ -38,9 +38,15 @@ def check_library_alone(build, prefix):
         assert "glm/" in headers and not found, found[:5]
 
 
-def check_find_package(examples, prefix, folder, cmake, compiler):
+def generator_of(build):
+    """Of the build: the machine may have no other."""
+    cache = (build / "CMakeCache.txt").read_text(encoding="utf-8")
+    return re.search(r"^CMAKE_GENERATOR:INTERNAL=(.+)$", cache, re.MULTILINE).group(1)
+
+
+def check_find_package(examples, prefix, folder, cmake, compiler, generator):
     build = folder / "examples"
-    run(cmake, "-S", examples, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}",
+    run(cmake, "-S", examples, "-B", build, "-G", generator, f"-DCMAKE_PREFIX_PATH={prefix}",
         f"-DCMAKE_CXX_COMPILER={compiler}")
     run(cmake, "--build", build)
     print(run(build / "relight", folder), end="")
@@ -72,7 +78,8 @@ def main():
             check_program(prefix)
         else:
             check_library_alone(pathlib.Path(build), prefix)
-        check_find_package(examples, prefix, folder, cmake, compiler)
+        check_find_package(examples, prefix, folder, cmake, compiler,
+                           generator_of(pathlib.Path(build)))
         check_pkg_config(examples, prefix, folder, compiler)
         if python:
             check_python(examples, prefix, folder, python)
