@@ -76,6 +76,20 @@ std::unique_ptr<Session> open_spheres() {
       new Session(make_session(std::move(scene), std::move(tracer), std::move(cache), {})));
 }
 
+TEST(Offscreen, DrawsWithoutThreadsOfMesa) {
+  if (const char* threads = std::getenv("LP_NUM_THREADS"); threads && std::string(threads) != "0") {
+    GTEST_SKIP() << "asked for otherwise";
+  }
+  Stage stage;
+  stage.play("wait");
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream stream(task.path() / "comm");
+    std::string name;
+    std::getline(stream, name);
+    EXPECT_FALSE(name.starts_with("llvmpipe")) << name;
+  }
+}
+
 TEST(Offscreen, DragMovesTheLightInTheViewPlane) {
   Stage stage;
   stage.play("wait");

@@ -4,6 +4,7 @@
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,10 @@ void load_function(void* handle, const char* name, Function& function) {
 }
 
 Library load_library() {
+  // Mesa's drawing threads unlock a fence that the caller may have freed already, where it comes
+  // just between their last count and the unlocking (Mesa 22.3, lp_fence_signal): the heap breaks,
+  // seldom, on a busy machine. Without them the caller draws by itself.
+  setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);
   // Never closed: drivers do not survive it.
   void* handle = dlopen(library_file, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) throw output_error(library_file, "cannot be loaded", install_mend);
