@@ -4,46 +4,26 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
+#include "core/base/parallel.h"
+#include "core/base/random.h"
 #include "core/image/color_config.h"
+#include "core/image/display_transform.h"
 #include "core/image/image_io.h"
 #include "core/math/color.h"
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
+#include "tests/support/color_config_file.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/temporary_folder.h"
 
 namespace relume::test {
 namespace {
 
-/// `shown` is the square root of the scene's colours, of which red is halved and blue doubled.
-constexpr const char* config_text = R"(ocio_profile_version: 1
-strictparsing: true
-roles: {default: raw, scene_linear: lin}
-displays:
-  screen:
-    - !<View> {name: look, colorspace: shown}
-colorspaces:
-  - !<ColorSpace> {name: lin, bitdepth: 32f}
-  - !<ColorSpace> {name: raw, isdata: true}
-  - !<ColorSpace>
-    name: shown
-    bitdepth: 32f
-    from_reference: !<GroupTransform>
-      children:
-        - !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1]}
-        - !<ExponentTransform> {value: [0.5, 0.5, 0.5, 1]}
-)";
-
 class ColorConfig : public testing::Test {
  protected:
-  ColorConfig() {
-    write_all(folder_.file("config.ocio"), config_text);
-    setenv("OCIO", folder_.file("config.ocio").c_str(), 1);
-  }
-  ~ColorConfig() override { unsetenv("OCIO"); }
-
-  TemporaryFolder folder_;
+  ColorConfigFile config_;
+  const TemporaryFolder& folder_ = config_.folder();
 };
 
 TEST_F(ColorConfig, ShowsThePictureUnclamped) {
@@ -100,6 +80,137 @@ TEST_F(ColorConfig, OnesThatCannotBeReadAreTold) {
   EXPECT_ERROR(apply_config_view(image, 0), ErrorKind::input, "OCIO");
   setenv("OCIO", "", 1);
   EXPECT_FALSE(has_color_config());
+}
+
+/// Colours over the octaves of brightness and the saturations that pictures have, with black.
+Image make_frame() {
+  Image image(96, 64);
+  Random random(3, RandomStream::tests, 0);
+  for (size_t i = 0; i < image.pixel_count(); ++i) {
+    const float octave = random.uniform(-9, 3);
+    const float brightness = i % 7 == 0 ? 0.0f : std::exp2(octave);
+    for (size_t c = 0; c < 3; ++c) {
+      image.pixels[3 * i + c] = brightness * random.uniform(0.3f, 1);
+    }
+  }
+  return image;
+}
+
+/// How two pictures differ, in code values.
+struct Difference {
+  int largest = 0;
+  double mean = 0;
+  double above_two = 0;  ///< share of the values that differ by more
+};
+
+Difference difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  Difference result;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const int difference = std::abs(int{a[i]} - int{b[i]});
+    result.largest = std::max(result.largest, difference);
+    result.mean += difference / static_cast<double>(a.size());
+    if (difference > 2) result.above_two += 1 / static_cast<double>(a.size());
+  }
+  return result;
+}
+
+std::vector<uint8_t> show(const Image& image, float exposure, DisplayQuality quality) {
+  std::vector<uint8_t> rgba(4 * image.pixel_count());
+  apply_display_rgba(image, {exposure, ToneCurve::config}, rgba, quality);
+  return rgba;
+}
+
+TEST_F(ColorConfig, CurveIsTheViewToTheByte) {
+  const Image image = make_frame();
+  const DisplayTransform transform{0.7f, ToneCurve::config};
+  const DisplayImage rgb = apply_display(image, transform);
+  EXPECT_EQ(rgb.pixels, quantize_display(apply_config_view(image, 0.7f)).pixels);
+  EXPECT_NE(rgb.pixels, apply_display(image, {0.7f, ToneCurve::srgb}).pixels);
+  const std::vector<uint8_t> rgba = show(image, 0.7f, DisplayQuality::exact);
+  for (size_t i = 0; i < rgba.size(); ++i) {
+    ASSERT_EQ(rgba[i], i % 4 == 3 ? 255 : rgb.pixels[i / 4 * 3 + i % 4]) << i;
+  }
+}
+
+TEST_F(ColorConfig, CurveIsEqualForAnyThreadCount) {
+  const Image image = make_frame();
+  for (const DisplayQuality quality : {DisplayQuality::draft, DisplayQuality::exact}) {
+    set_thread_count(1);
+    const std::vector<uint8_t> one = show(image, 0, quality);
+    set_thread_count(4);
+    EXPECT_EQ(show(image, 0, quality), one);
+    set_thread_count(0);
+  }
+}
+
+TEST_F(ColorConfig, DraftIsNearTheView) {
+  const Image image = make_frame();
+  for (const float exposure : {-2.0f, 0.0f, 1.3f}) {
+    const Difference found = difference(show(image, exposure, DisplayQuality::draft),
+                                        show(image, exposure, DisplayQuality::exact));
+    EXPECT_LE(found.largest, 1) << exposure;
+    EXPECT_LE(found.mean, 0.1) << exposure;
+  }
+}
+
+TEST_F(ColorConfig, DraftOfExtremesIsNearTheView) {
+  Image image(4096, 3);
+  for (size_t i = 0; i < 4096; ++i) {
+    const float value = std::exp2(-30.0f + 36.0f * static_cast<float>(i) / 4095);
+    for (size_t row = 0; row < 3; ++row) {
+      float* const rgb = image.at(static_cast<int>(i), static_cast<int>(row));
+      rgb[0] = value;
+      rgb[1] = row == 0 ? value : 0;
+      rgb[2] = row == 2 ? -value : value * 1e-3f;
+    }
+  }
+  EXPECT_LE(difference(show(image, 0, DisplayQuality::draft), show(image, 0, DisplayQuality::exact))
+                .largest,
+            1);
+}
+
+TEST_F(ColorConfig, DraftIsTheViewBeyondItsTable) {
+  Image image(2, 3);
+  const float infinity = std::numeric_limits<float>::infinity();
+  image.pixels = {65,    0.3f, 0.2f, 1e30f, 200,      0.1f, 0.1f, -0.2f, 0.2f,
+                  -1e9f, 2,    3,    0.5f,  infinity, 0,    0.3f, 0.4f,  0.5f};
+  const std::vector<uint8_t> draft = show(image, 0, DisplayQuality::draft);
+  const std::vector<uint8_t> exact = show(image, 0, DisplayQuality::exact);
+  for (size_t i = 0; i < 20; ++i) ASSERT_EQ(draft[i], exact[i]) << i;
+}
+
+TEST(ColorConfigOfFilms, DraftIsNearTheView) {
+  const ColorConfigFile config(aces_config);
+  const Image image = make_frame();
+  try {
+    config_view();
+  } catch (const Error& error) {
+    GTEST_SKIP() << "this OpenColorIO has no ACES: " << error.what();
+  }
+  const Difference found =
+      difference(show(image, 0, DisplayQuality::draft), show(image, 0, DisplayQuality::exact));
+  EXPECT_LE(found.mean, 0.2);
+  EXPECT_LE(found.above_two, 0.01) << "where its gamut ends";
+}
+
+TEST_F(ColorConfig, TwoInOneProcessShowTheirOwn) {
+  const Image image = make_frame();
+  const std::vector<uint8_t> first = show(image, 0, DisplayQuality::exact);
+  write_all(folder_.file("other.ocio"),
+            std::string(square_root_config)
+                .replace(std::string(square_root_config).find("0.5, 0, 0"), 3, "0.1"));
+  setenv("OCIO", folder_.file("other.ocio").c_str(), 1);
+  EXPECT_NE(show(image, 0, DisplayQuality::exact), first);
+  setenv("OCIO", folder_.file("config.ocio").c_str(), 1);
+  EXPECT_EQ(show(image, 0, DisplayQuality::exact), first);
+}
+
+TEST(CurveConfig, IsTheDefaultWhereThereIsAConfigurationAndToldWhereNot) {
+  EXPECT_EQ(default_curve(), ToneCurve::srgb);
+  const Image image(1, 1);
+  EXPECT_ERROR(apply_display(image, {0, ToneCurve::config}), ErrorKind::input, "set OCIO");
+  const ColorConfigFile config;
+  EXPECT_EQ(default_curve(), ToneCurve::config);
 }
 
 TEST(QuantizeDisplay, CutsWhatAScreenCannotShow) {

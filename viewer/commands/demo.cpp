@@ -33,7 +33,7 @@ int write_pictures(const RelightInput& input, const std::filesystem::path& folde
                    const DemoOptions& options, const Timer& timer, const CommonOptions& common) {
   make_folder(folder);
   const CacheInfo& info = input.cache->info();
-  const DisplayTransform display{.exposure = info.exposure};
+  const DisplayTransform display{.exposure = info.exposure, .curve = default_curve()};
   const auto shadows = make_shadow(ShadowMethod::ray, *input.tracer, *input.cache);
   const FrameRecipe recipe{
       .shadow = ShadowMethod::ray, .shadows = shadows.get(), .scene = &input.tracer->scene()};

@@ -46,4 +46,10 @@ PrepareParams make_prepare_params(const PrepareOptions& options, const CommonOpt
 /// True for a path that ends in .relume.
 bool is_cache_path(const std::string& path);
 
+/// How `options` show frames of a cache as PNG.
+inline DisplayTransform display_of(const RenderOptions& options, const CacheInfo& info) {
+  return {.exposure = options.exposure.value_or(info.exposure),
+          .curve = options.curve.value_or(default_curve())};
+}
+
 }  // namespace relume

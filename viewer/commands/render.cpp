@@ -60,12 +60,12 @@ int run_render(const RenderOptions& asked, const CommonOptions& common) {
   const RelightStats stats = relight(state, choose_lights(options, info), shadows.get(),
                                      {.instruction_set = options.instruction_set});
 
-  save_picture(state, options.exposure.value_or(info.exposure), options.curve, options.output,
-               {.shadow = options.shadow,
-                .shadows = shadows.get(),
-                .scene = input.scene.get(),
-                .instruction_set = options.instruction_set,
-                .aovs = options.aovs});
+  save_frame(state, display_of(options, info), options.output,
+             {.shadow = options.shadow,
+              .shadows = shadows.get(),
+              .scene = input.scene.get(),
+              .instruction_set = options.instruction_set,
+              .aovs = options.aovs});
   print_figures(
       "relume-render-1", common,
       {{{"scene", info.scene_name},

@@ -107,7 +107,7 @@ class FrameMaker {
       return FrameFate::kept;
     }
     relight(state_, lights, shadows_.get(), {.instruction_set = options_.instruction_set});
-    save_picture(state_, options_.exposure.value_or(info.exposure), options_.curve, path, recipe_);
+    save_frame(state_, display_of(options_, info), path, recipe_);
     return FrameFate::rendered;
   }
 

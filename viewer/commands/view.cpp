@@ -68,6 +68,7 @@ ShadowMethod shadow_of(const ViewOptions& options) {
 void apply_options(const ViewOptions& options, ViewState& view) {
   if (options.shadow || view.shadows != ShadowMethod::none) view.shadows = shadow_of(options);
   view.frame_ms = options.frame_ms.value_or(view.frame_ms);
+  view.display.curve = default_curve();
   view.refine = !options.keep_records && !options.offscreen;
 }
 

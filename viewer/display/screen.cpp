@@ -98,7 +98,7 @@ void Screen::build() {
 void Screen::build_session(Session& session) {
   if (ui_.snapshots_of != workspace_.session_number()) ui_.snapshots.clear();
   ui_.snapshots_of = workspace_.session_number();
-  ui_.snapshots.follow(session.view());
+  ui_.snapshots.follow(session.view(), resting());
   const vec2 picture_px(session.info().width, session.info().height);
   ui_.placement = place_picture(ui_.layout.picture, picture_px, session.view());
   light_manipulator(ui_, session);

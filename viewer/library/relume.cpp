@@ -272,7 +272,8 @@ Image Relighter::layer(size_t i) const {
 
 void Relighter::save(const std::string& path) const {
   guarded([&] {
-    save_frame(data_->state, {.exposure = data_->cache->cache().info().exposure}, path,
+    save_frame(data_->state,
+               {.exposure = data_->cache->cache().info().exposure, .curve = default_curve()}, path,
                {.shadow = data_->shadow,
                 .shadows = data_->shadows.get(),
                 .scene = data_->cache->input.scene.get()});

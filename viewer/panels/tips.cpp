@@ -24,6 +24,7 @@ constexpr std::array tips = {
     Tip{"view.exposure", "Of the display alone; ctrl and a click to type"},
     Tip{"view.curve.srgb", "Straight to sRGB, bright parts clip"},
     Tip{"view.curve.filmic", "Bright parts roll off"},
+    Tip{"view.curve.config", "The view of the OpenColorIO configuration in $OCIO"},
     Tip{"view.false_color", "Luminance in stops from middle grey"},
     Tip{"heatmap.#x", "Maps of error end at 0.1: errors ten times enlarged"},
     Tip{"heatmap.auto", "Maps of error end where the picture's errors do"},

@@ -242,12 +242,15 @@ void trade_rows(UiState& ui, Workspace& workspace) {
   note_item(ui, "trade.plan");
 }
 
-/// The tone curve, or false colour in its place.
-void curve_row(UiState& ui, ViewState& view) {
+/// The tone curve, or false colour in its place. The curve config is there where it can be shown.
+void curve_row(UiState& ui, ViewState& view, bool has_config) {
   row_label("curve");
   const float gap = ImGui::GetStyle().ItemInnerSpacing.x;
-  const float width = std::max(1.0f, (ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
+  const float count = has_config ? 4 : 3;
+  const float width =
+      std::max(1.0f, (ImGui::GetContentRegionAvail().x - (count - 1) * gap) / count);
   for (const Label<ToneCurve>& row : tone_curve_labels) {
+    if (row.value == ToneCurve::config && !has_config) continue;
     const bool lit = !view.false_color && view.display.curve == row.value;
     if (segment_button(std::string(row.name).c_str(), lit, true, width)) {
       view.display.curve = row.value;
@@ -325,7 +328,7 @@ void view_panel(UiState& ui, Workspace& workspace) {
   note_item(ui, "view.exposure");
   if (!is_finite(view.display.exposure)) view.display.exposure = 0;
   view.display.exposure = std::clamp(view.display.exposure, -largest_exposure, largest_exposure);
-  curve_row(ui, view);
+  curve_row(ui, view, workspace.has_config_view());
   row_label("scale");
   choose(ui, "heatmap", heat_range_labels, view.heat_range);
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(dim_color), "SHADOWS");

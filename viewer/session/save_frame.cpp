@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
-#include "core/image/color_config.h"
 #include "core/image/heatmap.h"
 #include "core/image/image_io.h"
 #include "viewer/frames/frame_layers.h"
@@ -21,15 +20,6 @@ void save_frame(const RelightState& state, const DisplayTransform& display,
   } else {
     throw Error(ErrorKind::usage, path.string() + ": unknown picture format; use .exr or .png");
   }
-}
-
-void save_picture(const RelightState& state, float exposure, std::optional<ToneCurve> curve,
-                  const std::filesystem::path& path, const FrameRecipe& recipe) {
-  if (path.extension() == ".png" && !curve && has_color_config()) {
-    write_png(path, quantize_display(apply_config_view(state.frame, exposure)));
-    return;
-  }
-  save_frame(state, {.exposure = exposure, .curve = curve.value_or(ToneCurve::srgb)}, path, recipe);
 }
 
 void save_predicted_error(const RelightCache& cache, const std::filesystem::path& path) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
 #include "core/image/display_transform.h"
 #include "core/relight/relight.h"
@@ -13,11 +12,6 @@ namespace relume {
 /// any other a PNG through `display`.
 void save_frame(const RelightState& state, const DisplayTransform& display,
                 const std::filesystem::path& path, const FrameRecipe& recipe);
-
-/// The same with a tone curve, or without one: a PNG is then what the display of $OCIO shows where
-/// there is one, else sRGB.
-void save_picture(const RelightState& state, float exposure, std::optional<ToneCurve> curve,
-                  const std::filesystem::path& path, const FrameRecipe& recipe);
 
 /// Writes the predicted error of each pixel in false colour with an automatic scale, as a PNG.
 /// Throws Error(usage) when the cache has none.

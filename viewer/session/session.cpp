@@ -108,7 +108,7 @@ void Session::set_records(SessionRecords records) {
 void Session::update(bool resting) {
   ask(resting);
   take();
-  paint();
+  paint(resting);
 }
 
 void Session::wait(bool resting) {
@@ -120,7 +120,7 @@ void Session::wait(bool resting) {
     if (visibility_.worker) visibility_.worker->wait_idle();
     take();
   }
-  paint();
+  paint(resting);
 }
 
 bool Session::ask(bool resting) {
@@ -275,7 +275,7 @@ ShownPicture Session::paintable() const {
   return ShownPicture::frame;
 }
 
-void Session::paint() {
+void Session::paint(bool resting) {
   if (frame_.version == 0) return;
   const ShownPicture shown = paintable();
   const bool refined = shown == ShownPicture::frame && is_refined();
@@ -291,16 +291,19 @@ void Session::paint() {
   }
   const bool needs_frame = shown == ShownPicture::frame || shown == ShownPicture::heatmap ||
                            shown == ShownPicture::difference;
-  const PaintKey key{shown,
-                     records_number_,
-                     view_.heat_range,
-                     view_.display.curve,
-                     view_.display.exposure,
-                     needs_frame && !refined ? frame_.version : 0,
-                     needs_reference(shown) || refined ? reference_.version : 0,
-                     refined,
-                     view_.false_color,
-                     shown == ShownPicture::visibility ? visibility_.version : 0};
+  PaintKey key{shown,
+               records_number_,
+               view_.heat_range,
+               view_.display.curve,
+               view_.display.exposure,
+               needs_frame && !refined ? frame_.version : 0,
+               needs_reference(shown) || refined ? reference_.version : 0,
+               refined,
+               view_.false_color,
+               shown == ShownPicture::visibility ? visibility_.version : 0,
+               DisplayQuality::exact};
+  if (painted_ == key) return;
+  if (!resting && view_.display.curve == ToneCurve::config) key.quality = DisplayQuality::draft;
   if (painted_ == key) return;
   painted_ = key;
   status_.painted = shown;
@@ -343,7 +346,7 @@ void Session::paint() {
 void Session::paint_image(const Image& image) {
   picture_.width = image.width;
   picture_.height = image.height;
-  display_image(image, view_, picture_.rgba);
+  display_image(image, view_, painted_->quality, picture_.rgba);
 }
 
 /// Ten times the frame minus the reference, around middle grey.

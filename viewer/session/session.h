@@ -116,7 +116,8 @@ class Session {
   const ViewState& view() const { return view_; }
 
   /// Sends changed lights to the workers, takes what they finished and repaints the picture when it
-  /// has to. `resting`: no light is being dragged; only then is the reference computed.
+  /// has to. `resting`: no light is being dragged; only then is the reference computed, and the
+  /// curve config exact.
   void update(bool resting);
 
   /// update() until the picture is what the view asks for.
@@ -155,6 +156,7 @@ class Session {
     bool refined;
     bool false_color;
     uint64_t visibility;
+    DisplayQuality quality;
     bool operator==(const PaintKey&) const = default;
   };
 
@@ -166,7 +168,7 @@ class Session {
   static void submit(Channel& channel, const RelightRequest& request);
   void take();
   static void take(Channel& channel);
-  void paint();
+  void paint(bool resting);
   bool frame_is_current() const;
   bool reference_is_current() const;
   bool visibility_is_current() const;

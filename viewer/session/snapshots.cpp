@@ -17,6 +17,7 @@ void Snapshots::take(const Session& session) {
   Snapshot snapshot{session.view(), {}, session.picture()};
   if (const Image* image = session.shown_image()) snapshot.image = *image;
   snapshot.picture.version = ++last_version_;
+  snapshot.is_draft = session.view().display.curve == ToneCurve::config;
   snapshots_.push_back(std::move(snapshot));
   selected_ = static_cast<int>(snapshots_.size()) - 1;
 }
@@ -36,13 +37,16 @@ const Snapshot* Snapshots::current() const {
   return selected_ >= 0 ? &snapshots_[static_cast<size_t>(selected_)] : nullptr;
 }
 
-void Snapshots::follow(const ViewState& view) {
+void Snapshots::follow(const ViewState& view, bool resting) {
   if (selected_ < 0) return;
   Snapshot& snapshot = snapshots_[static_cast<size_t>(selected_)];
-  if (snapshot.image.pixels.empty() || same_display(snapshot.view, view)) return;
+  const bool is_final = !snapshot.is_draft || !resting;
+  if (snapshot.image.pixels.empty() || (same_display(snapshot.view, view) && is_final)) return;
   snapshot.view.display = view.display;
   snapshot.view.false_color = view.false_color;
-  display_image(snapshot.image, view, snapshot.picture.rgba);
+  snapshot.is_draft = !resting && view.display.curve == ToneCurve::config;
+  display_image(snapshot.image, view, resting ? DisplayQuality::exact : DisplayQuality::draft,
+                snapshot.picture.rgba);
   snapshot.picture.version = ++last_version_;
 }
 

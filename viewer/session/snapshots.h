@@ -9,8 +9,9 @@ namespace relume {
 /// A picture kept to compare with, and what it showed.
 struct Snapshot {
   ViewState view;
-  Image image;      ///< scene-linear, follows exposure and curve; empty where a map was shown
-  Picture picture;  ///< for the screen; its version counts through all snapshots
+  Image image;            ///< scene-linear, follows exposure and curve; empty where a map was shown
+  Picture picture;        ///< for the screen; its version counts through all snapshots
+  bool is_draft = false;  ///< its colours may have to become exact
 };
 
 /// Pictures kept beside the live one, of one session.
@@ -27,8 +28,8 @@ class Snapshots {
   void select(int index);
   const Snapshot* current() const;
 
-  /// Paints the selected one as `view` displays pictures now.
-  void follow(const ViewState& view);
+  /// Paints the selected one as `view` displays pictures now; see Session::update() for `resting`.
+  void follow(const ViewState& view, bool resting);
 
  private:
   std::vector<Snapshot> snapshots_;

@@ -4,12 +4,13 @@
 
 namespace relume {
 
-void display_image(const Image& image, const ViewState& view, std::vector<uint8_t>& rgba) {
+void display_image(const Image& image, const ViewState& view, DisplayQuality quality,
+                   std::vector<uint8_t>& rgba) {
   rgba.resize(4 * image.pixel_count());
   if (view.false_color) {
     apply_false_color(image, view.display.exposure, rgba);
   } else {
-    apply_display_rgba(image, view.display, rgba);
+    apply_display_rgba(image, view.display, rgba, quality);
   }
 }
 

@@ -119,8 +119,10 @@ struct ViewState {
   vec2 zoom_center_px{0};  ///< picture position in the middle of the window when zoom > 0
 };
 
-/// `image`, scene-linear, as `view` displays pictures: RGBA, 8 bits. Resizes `rgba`.
-void display_image(const Image& image, const ViewState& view, std::vector<uint8_t>& rgba);
+/// `image`, scene-linear, as `view` displays pictures: RGBA, 8 bits. Resizes `rgba`. Throws as
+/// apply_display_rgba().
+void display_image(const Image& image, const ViewState& view, DisplayQuality quality,
+                   std::vector<uint8_t>& rgba);
 
 /// The lights as the picture shows them: muted where others are soloed.
 std::vector<Light> shown_lights(const ViewState& view);

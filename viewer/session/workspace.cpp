@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/image/color_config.h"
 #include "core/scene/io/load_scene.h"
 #include "viewer/frames/frame_layers.h"
 #include "viewer/session/recent_files.h"
@@ -32,6 +33,21 @@ bool is_json(const std::string& path) {
 bool is_light_file(const std::string& text) {
   return text.find("\"geometry\"") == std::string::npos &&
          text.find("\"lights\"") != std::string::npos;
+}
+
+/// Why $OCIO gives nothing to show pictures with; empty where it does.
+std::string find_config_problem() {
+  try {
+    config_view();
+  } catch (const Error& failure) {
+    return printable(failure.what(), 400);
+  }
+  return {};
+}
+
+/// Makes what drafts of the curve config are read from, in the background.
+std::future<void> make_draft() {
+  return std::async(std::launch::async, [&view = config_view()] { view.table(); });
 }
 
 /// Everything that an export needs, apart from the session's own state.
@@ -64,12 +80,18 @@ Notice write_frame(const FrameExport& job) {
 }  // namespace
 
 Workspace::Workspace(std::unique_ptr<Session> session, SessionFile origin, WorkspaceOptions options)
-    : options_(std::move(options)), origin_(std::move(origin)) {
+    : options_(std::move(options)),
+      config_problem_(find_config_problem()),
+      draft_made_(has_config_view() ? make_draft() : std::future<void>()),
+      origin_(std::move(origin)) {
   adopt(std::move(session));
 }
 
 Workspace::Workspace(InputOpener opener, const std::string& input, WorkspaceOptions options)
-    : options_(std::move(options)), opener_(std::move(opener)) {
+    : options_(std::move(options)),
+      opener_(std::move(opener)),
+      config_problem_(find_config_problem()),
+      draft_made_(has_config_view() ? make_draft() : std::future<void>()) {
   open(input);
 }
 
@@ -188,6 +210,7 @@ void Workspace::adopt(std::unique_ptr<Session> session) {
   // Records that a session file holds stay as they are until the trade is changed.
   planned_.reset();
   if (records_.is_set()) planned_ = planned_for(session_->view());
+  choose_shown_curve(session_->view());
   history_.reset(session_->view());
   saved_step_ = 0;
   has_saved_step_ = true;
@@ -196,6 +219,13 @@ void Workspace::adopt(std::unique_ptr<Session> session) {
   if (!origin_.input.empty()) {
     add_recent_file(options_.state_folder, document_.empty() ? origin_.input : document_.string());
   }
+}
+
+/// Gives srgb where the configuration is not there that a session, or this window, shows.
+void Workspace::choose_shown_curve(ViewState& view) {
+  if (view.display.curve != ToneCurve::config || has_config_view()) return;
+  view.display.curve = ToneCurve::srgb;
+  set_notice("shown with the curve srgb: " + config_problem_, true);
 }
 
 std::filesystem::path Workspace::autosave_path() const {
@@ -212,6 +242,7 @@ void Workspace::restore_autosave() {
     const SessionFile saved = parse_session(read_text_file(path, max_session_bytes), path.string());
     if (saved.input != origin_.input) return;
     session_->view() = saved.view;
+    choose_shown_curve(session_->view());
     if (history_.commit(session_->view())) {
       set_notice("restored the work that was not saved;  ctrl+z goes back");
     }
@@ -468,7 +499,9 @@ void Workspace::paint_preview() {
   preview_.width = image.width;
   preview_.height = image.height;
   preview_.rgba.resize(4 * image.pixel_count());
-  apply_display_rgba(image, {}, preview_.rgba);
+  ToneCurve curve = loaded_view_ ? loader_->file().view.display.curve : default_curve();
+  if (curve == ToneCurve::config && !has_config_view()) curve = ToneCurve::srgb;
+  apply_display_rgba(image, {.curve = curve}, preview_.rgba);
   ++preview_.version;
 }
 

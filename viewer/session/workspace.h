@@ -86,6 +86,9 @@ class Workspace {
   /// where that fails.
   std::string copy_command();
 
+  /// The curve config can be shown.
+  bool has_config_view() const { return config_problem_.empty(); }
+
   /// The last thing that happened, until the next edit.
   const Notice& notice() const { return notice_; }
   void set_notice(const std::string& text, bool is_problem = false);
@@ -134,6 +137,7 @@ class Workspace {
   void leave_session();
   void adopt(std::unique_ptr<Session> session);
   void restore_autosave();
+  void choose_shown_curve(ViewState& view);
   void take_export();
   void autosave();
   void close_autosave();
@@ -142,7 +146,9 @@ class Workspace {
   std::filesystem::path autosave_path() const;
   WorkspaceOptions options_;
   InputOpener opener_;
-  std::mutex notify_mutex_;  // held while notify_ runs
+  const std::string config_problem_;  ///< why the curve config cannot be shown; empty: it can
+  std::future<void> draft_made_;      ///< of the curve config, before the first drag
+  std::mutex notify_mutex_;           // held while notify_ runs
   std::function<void()> notify_;
 
   void tell();
