@@ -352,6 +352,13 @@ bool has_emission(const Scene& scene) {
   });
 }
 
+void remove_emission(Scene& scene) {
+  for (Material& material : scene.materials) {
+    material.emission = vec3(0);
+    material.emission_texture = -1;
+  }
+}
+
 Bounds transform_bounds(const Bounds& local, const mat4x3& world_from_local) {
   Bounds bounds;
   for (int corner = 0; corner < 8 && !local.empty(); ++corner) {

@@ -123,6 +123,9 @@ struct Scene {
 /// True when a material sends out light by itself.
 bool has_emission(const Scene& scene);
 
+/// Its materials send out nothing any more.
+void remove_emission(Scene& scene);
+
 /// Bounds of a prototype in its local space, strand radii included.
 Bounds local_bounds(const Prototype& prototype);
 

@@ -31,3 +31,16 @@ again = relume.Relighter(relume.load(folder + "/python.relume"))
 again.relight(lights)
 assert moved.error_image > 0
 assert np.array_equal(again.frame, frame), "a cache's file gives the same picture"
+
+lamp = """{"camera": {"eye": [0, 0, 5], "target": [0, 0, 0]},
+  "materials": [{"name": "glow", "shader": "lambert", "diffuse": 0.5, "emission": [2, 1, 0.5]}],
+  "geometry": [{"generator": "sphere", "material": "glow"}],
+  "lights": [{"name": "key", "position": [2, 3, 4], "gain": 20}]}"""
+with open(folder + "/lamp.json", "w", encoding="utf-8") as scene:
+    scene.write(lamp)
+glowing = relume.prepare(folder + "/lamp.json", width=48, height=48, records=2)
+lit = relume.Relighter(glowing)
+lit.relight(glowing.lights)
+assert glowing.emission.shape == (48, 48, 3) and glowing.emission.max() == 2
+assert np.allclose(lit.layer(0) + glowing.emission, lit.frame, rtol=1e-5), "emission is in the frame"
+assert not cache.emission.any()

@@ -20,9 +20,14 @@ namespace {
 
 using namespace test;  // NOLINT: record builders
 
-RelightCache make_cache(CacheFormat format, int width = 48, int height = 72) {
+RelightCache make_cache(CacheFormat format, int width = 48, int height = 72, bool emits = false) {
   const std::vector<SampleType> types = all_sample_types();
-  const std::vector<SampleTile> tiles = make_random_tiles(types, width, height, 2);
+  std::vector<SampleTile> tiles = make_random_tiles(types, width, height, 2);
+  for (SampleTile& tile : tiles) {
+    for (int i = 0; emits && i < tile.pixel_count(); ++i) {
+      tile.emission.emplace_back(tile.x0 + 1, tile.y0, i);
+    }
+  }
   CacheInfo info = make_tile_info(tiles[0], types, {0, 0, 5});
   info.width = width;
   info.height = height;
@@ -97,6 +102,19 @@ TEST_P(CacheCut, TakesFullRowsFromAllOverThePicture) {
     for (size_t x = 0; x < 48; ++x) ASSERT_EQ(after[y * 48 + x], before[source * 48 + x]);
   }
   EXPECT_EQ(cut_cache(cache_, {0, 99}).info().height, 72);
+}
+
+TEST_P(CacheCut, KeepsWhatMaterialsEmit) {
+  const RelightCache cache = make_cache(GetParam(), 48, 72, true);
+  const std::vector<float> before = cache.emission();
+  ASSERT_EQ(before.size(), size_t{3} * 48 * 72);
+  EXPECT_EQ(cut_cache(cache, {1, 0}).emission(), before);
+  EXPECT_EQ(make_diffuse_cache(cache, DiffuseShader::lambert, 0).emission(), before);
+  const std::vector<float> after = cut_cache(cache, {0, 2}).emission();
+  const auto row = [](int y) { return std::ptrdiff_t{3} * 48 * y; };
+  EXPECT_TRUE(std::equal(after.begin(), after.begin() + row(16), before.begin() + row(16)));
+  EXPECT_TRUE(std::equal(after.begin() + row(16), after.end(), before.begin() + row(48)));
+  EXPECT_FALSE(cut_cache(cache_, {}).info().has_emission);
 }
 
 TEST_P(CacheCut, DiffusePartLooksTheSameInBothShaders) {

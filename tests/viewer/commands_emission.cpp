@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "core/image/image_io.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/viewer/lamp_scene.h"
 #include "viewer/commands/commands.h"
 
 namespace relume::test {
@@ -14,18 +16,23 @@ namespace {
 
 const CommonOptions quiet{.quiet = true};
 
+/// The document without the figures that the clock gives.
+nlohmann::json without_times(const std::string& text) {
+  nlohmann::json document = nlohmann::json::parse(text);
+  for (nlohmann::json& row : document.at("rows")) {
+    for (const char* prefix : {"ms_", "ratio", "records_per_s", "thread_ms", "coarse_ratio"}) {
+      for (auto item = row.begin(); item != row.end();) {
+        item = item.key().starts_with(prefix) ? row.erase(item) : std::next(item);
+      }
+    }
+  }
+  return document;
+}
+
 class EmissionFrame : public testing::Test {
  protected:
   EmissionFrame() {
-    write_all(folder_.file("lamp.json"), R"({"image": {"width": 48, "height": 40},
-      "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "fov_y_deg": 40},
-      "materials": [{"name": "glow", "shader": "lambert", "diffuse": 0.2, "emission": [2, 1, 0.5]},
-                    {"name": "clay", "shader": "lambert", "diffuse": 0.6}],
-      "geometry": [{"name": "a", "generator": "sphere", "material": "glow"},
-                   {"name": "b", "generator": "sphere", "material": "clay",
-                    "transform": {"translate": [1, 0.3, -1]}}],
-      "lights": [{"name": "key", "position": [2, 3, 4], "gain": 20},
-                 {"name": "rim", "position": [-3, 1, -2], "gain": 30}]})");
+    write_all(folder_.file("lamp.json"), lamp_scene);
     render_.input = folder_.file("lamp.json").string();
     render_.output = folder_.file("frame.exr");
     render_.prepare.spp = 9;
@@ -36,7 +43,7 @@ class EmissionFrame : public testing::Test {
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
     EXPECT_EQ(command(), expected);
-    testing::internal::GetCapturedStdout();
+    printed_ = testing::internal::GetCapturedStdout();
     told_ = testing::internal::GetCapturedStderr();
   }
 
@@ -54,6 +61,7 @@ class EmissionFrame : public testing::Test {
 
   TemporaryFolder folder_;
   RenderOptions render_;
+  std::string printed_;
   std::string told_;
 };
 
@@ -101,6 +109,34 @@ TEST_F(EmissionFrame, IsInWhatADeepImageFlattensTo) {
   ASSERT_EQ(found.pixels.size(), frame.pixels.size());
   for (size_t i = 0; i < frame.pixels.size(); ++i) {
     ASSERT_NEAR(found.pixels[i], frame.pixels[i], 0x1p-10f * frame.pixels[i] + 1e-6f) << i;
+  }
+}
+
+TEST_F(EmissionFrame, IsLeftOutOfStudies) {
+  const CommonOptions as_json{.quiet = true, .json = true};
+  const std::string text = lamp_scene;
+  const std::string dark = std::string(text).replace(text.find("[2, 1, 0.5]"), 11, "0");
+  StudyOptions study;
+  study.scenes = {render_.input};
+  study.spp = 2;
+  study.truth_spp = 4;
+  study.training_lights = 8;
+  study.width = study.height = 32;
+  study.lights = 2;
+  study.records = {2};
+  study.window = 16;
+  study.shadows = {ShadowMethod::ray};
+  for (const char* name : {"methods", "shadows", "pictures"}) {
+    study.name = name;
+    study.methods = {ReductionMethod::kmeans};
+    write_all(render_.input, text);
+    silently([&] { return run_study(study, as_json); });
+    EXPECT_NE(told_.find("is left out"), std::string::npos) << name << " " << told_;
+    const std::string found = printed_;
+    write_all(render_.input, dark);
+    silently([&] { return run_study(study, as_json); });
+    EXPECT_EQ(told_.find("is left out"), std::string::npos);
+    EXPECT_EQ(without_times(found), without_times(printed_)) << name;
   }
 }
 

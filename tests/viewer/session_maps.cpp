@@ -5,6 +5,7 @@
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
 #include "shadow/shadow.h"
+#include "tests/viewer/lamp_scene.h"
 #include "viewer/session/false_color.h"
 #include "viewer/session/picture_histogram.h"
 #include "viewer/session/pixel_maps.h"
@@ -61,6 +62,29 @@ TEST_P(PixelReports, LightsAndRecordsAddUpToTheFrame) {
       }
     }
   }
+}
+
+TEST(PixelReport, EmissionIsWhatLightsDoNotAdd) {
+  const Scene scene = parse_scene(test::lamp_scene, "lamp.json", shader_table());
+  const Tracer tracer(scene);
+  PrepareParams params;
+  params.spp = 9;
+  params.reduction.records = 3;
+  const RelightCache cache = prepare_in_memory(scene, tracer, params, {});
+  RelightState state = make_relight_state(cache);
+  relight(state, scene.lights, nullptr);
+  float brightest = 0;
+  for (int y = 0; y < 40; y += 3) {
+    for (int x = 0; x < 48; x += 3) {
+      const PixelReport report = inspect_pixel(cache, nullptr, scene.lights, x, y);
+      vec3 sum = report.emission;
+      for (const vec3 value : report.light_values) sum += value;
+      const vec3 frame = state.frame.rgb(static_cast<size_t>(y) * 48 + x);
+      EXPECT_NEAR(glm::distance(sum, frame), 0, 2e-4f * max_component(frame) + 1e-6f);
+      brightest = std::max(brightest, report.emission.x);
+    }
+  }
+  EXPECT_EQ(brightest, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PixelReports, testing::Values("spheres", "hair", "plants"));

@@ -7,6 +7,7 @@
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
 #include "shadow/shadow.h"
+#include "tests/viewer/lamp_scene.h"
 #include "viewer/session/prepare.h"
 #include "viewer/session/prepare_preview.h"
 
@@ -41,6 +42,24 @@ TEST(PreparePreview, IsRoughlyTheFrame) {
   const ImageError error = compare_images(image, state.frame, cache.coverage());
   EXPECT_LT(error.error_covered, 0.1 * error.reference_mean)
       << "only the shadows' edges differ: one ray a pixel";
+}
+
+TEST(PreparePreview, ShowsWhatMaterialsEmit) {
+  Scene scene = parse_scene(test::lamp_scene, "lamp.json", shader_table());
+  scene.lights.clear();
+  const Tracer tracer(scene);
+  PreparePreview preview;
+  PrepareParams params;
+  params.spp = 9;
+  params.reduction.records = 3;
+  params.on_tile = [&](const ViewSampler& view, const SampleTile& records) {
+    preview.add_tile(view, records);
+  };
+  const RelightCache cache = prepare_in_memory(scene, tracer, params, {});
+  Image image;
+  ASSERT_TRUE(preview.take(image));
+  EXPECT_EQ(image.pixels, cache.emission());
+  EXPECT_EQ(*std::max_element(image.pixels.begin(), image.pixels.end()), 2);
 }
 
 TEST(PreparePreview, DoesNotChangeWhatIsPrepared) {

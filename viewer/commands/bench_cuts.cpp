@@ -72,6 +72,9 @@ SampleTile to_sample_tile(const PackedTile& tile, int y0, const PixelRecords& pi
     }
     for (TypedRows& rows : result.types) rows.first.push_back(static_cast<uint32_t>(rows.rows()));
     result.coverage.push_back(static_cast<float>(tile.coverage[p]) / 255.0f);
+    if (tile.emission == nullptr) continue;
+    const float* const emission = tile.emission + 3 * p;
+    result.emission.emplace_back(emission[0], emission[1], emission[2]);
   }
   return result;
 }

@@ -35,6 +35,7 @@ FigureRow describe_cache(const std::filesystem::path& path) {
                    {"records_per_pixel", mean_covered(cache.record_counts(), coverage)},
                    {"footprints", int64_t{info.has_footprints}},
                    {"members", int64_t{info.has_members}},
+                   {"emission", int64_t{info.has_emission}},
                    {"bytes", static_cast<int64_t>(cache.size_bytes())}};
   if (info.has_predicted_error) {
     row.push_back({"predicted_error", mean_covered(cache.predicted_error(), coverage)});

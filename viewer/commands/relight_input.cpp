@@ -124,6 +124,16 @@ RelightInput open_scene(const std::string& name_or_path, const CommonOptions& co
   return trace_scene(load_scene(name_or_path, shader_table(), progress_of(hooks, common)), common);
 }
 
+RelightInput open_study_scene(const std::string& name_or_path, const CommonOptions& common) {
+  Scene scene = load_scene(name_or_path, shader_table(), make_terminal_progress(common.quiet));
+  if (has_emission(scene)) {
+    fmt::print(stderr, "{}: what its materials emit is left out: studies are of lights\n",
+               scene.name);
+    remove_emission(scene);
+  }
+  return trace_scene(std::move(scene), common);
+}
+
 RelightInput open_input(const std::string& input, const PrepareOptions& prepare, bool need_tracer,
                         const CommonOptions& common, const OpenHooks& hooks) {
   if (is_cache_path(input)) {

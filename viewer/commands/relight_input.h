@@ -28,6 +28,10 @@ struct OpenHooks {
 RelightInput open_scene(const std::string& name_or_path, const CommonOptions& common,
                         const OpenHooks& hooks = {});
 
+/// The same without emission, told in one line: what a material emits is the same for every method,
+/// light and shadow, and would only make errors look small beside it.
+RelightInput open_study_scene(const std::string& name_or_path, const CommonOptions& common);
+
 /// A scene (label or path), prepared in memory as `prepare` says, or a .relume cache. A cache's
 /// scene is loaded only when `need_tracer`, from the text stored in the cache; generated and
 /// unchanged files give the geometry that the cache was made from.

@@ -272,7 +272,7 @@ StudyResult run_method_study(const StudyOptions& options, const CommonOptions& c
   FigureTable pairs{"pairs", {}};
   FigureTable trials{"trials", {}};
   for (const std::string& name : options.scenes) {
-    const RelightInput input = open_scene(name, common);
+    const RelightInput input = open_study_scene(name, common);
     const std::string& scene = input.scene->name;
     const MethodStudyParams params = make_study_params(options, *input.scene, common);
     const Figures figures = study_methods(*input.scene, *input.tracer, params, log,

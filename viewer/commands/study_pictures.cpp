@@ -216,7 +216,7 @@ StudyResult run_picture_study(const StudyOptions& options, const CommonOptions& 
                               TrialLog& log) {
   StudyResult result{options.name, {{"rows", {}}}, {}, {}};
   for (const std::string& name : options.scenes) {
-    const RelightInput input = open_scene(name, common);
+    const RelightInput input = open_study_scene(name, common);
     ScenePictures pictures(input, options, common, log, result);
     std::vector<PictureTrial> trials = make_trials(options);
     trials.insert(trials.begin(), {ReductionMethod::all, options.spp});

@@ -190,7 +190,7 @@ StudyResult run_shadow_study(const StudyOptions& options, const CommonOptions& c
   std::vector<FigureRow>& rows = result.tables.front().rows;
   const ShadowStudyParams params = make_study_params(options, common);
   for (const std::string& name : options.scenes) {
-    const RelightInput input = open_scene(name, common);
+    const RelightInput input = open_study_scene(name, common);
     const std::string& scene = input.scene->name;
     const SceneCounts counts = count_scene(*input.scene);
     const uint64_t primitives = counts.instanced_triangles + counts.instanced_segments;

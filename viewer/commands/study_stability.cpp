@@ -41,7 +41,7 @@ StudyResult run_stability_study(const StudyOptions& options, const CommonOptions
   StudyResult result{options.name, {{"rows", {}}}, {}, {}};
   const StabilityParams params = make_study_params(options, common);
   for (const std::string& name : options.scenes) {
-    const RelightInput input = open_scene(name, common);
+    const RelightInput input = open_study_scene(name, common);
     for (const StabilityFigure& figure : study_stability(*input.scene, *input.tracer, params, log,
                                                          make_terminal_progress(common.quiet))) {
       result.tables.front().rows.push_back(to_row(input.scene->name, figure));

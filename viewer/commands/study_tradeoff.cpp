@@ -184,7 +184,7 @@ StudyResult run_tradeoff_study(const StudyOptions& options, const CommonOptions&
                                TrialLog& log) {
   StudyResult result{options.name, {{"rows", {}}, {"recommended", {}}}, {}, {}};
   for (const std::string& name : options.scenes) {
-    const RelightInput input = open_scene(name, common);
+    const RelightInput input = open_study_scene(name, common);
     const std::string& scene = input.scene->name;
     const TradeoffParams params = make_study_params(options, *input.scene, common);
     const TradeoffStudy study = study_tradeoff(*input.scene, *input.tracer, params, log,

@@ -9,6 +9,7 @@
 #include "core/base/parallel.h"
 #include "core/image/image_io.h"
 #include "core/image/metrics.h"
+#include "core/relight/emission.h"
 #include "core/scene/io/load_scene.h"
 #include "viewer/commands/relight_input.h"
 #include "viewer/commands/version.h"
@@ -219,6 +220,10 @@ std::vector<Light> Cache::lights() const {
 }
 Image Cache::coverage() const {
   return {width(), height(), 1, data_->cache().coverage()};
+}
+
+Image Cache::emission() const {
+  return guarded([&] { return from_internal(emission_image(data_->cache())); });
 }
 
 Image Cache::predicted_error() const {

@@ -112,7 +112,8 @@ class RELUME_API Cache {
   uint64_t hash() const;              ///< equal hashes stand for equal caches
   std::vector<Light> lights() const;  ///< of the scene
   Image coverage() const;             ///< one channel, [0, 1]
-  Image predicted_error() const;      ///< one channel, in the picture's units; Error where unknown
+  Image emission() const;  ///< RGB that materials send out by themselves, whatever the lights
+  Image predicted_error() const;  ///< one channel, in the picture's units; Error where unknown
 
  private:
   friend class Relighter;
@@ -138,9 +139,9 @@ class RELUME_API Relighter {
   /// RGB, scene-linear, finite: always the last relight()'s. The pixels stay where they are as long
   /// as this lives.
   ImageView frame() const;
-  /// What light i adds to the frame, RGB; these sum to the frame.
+  /// What light i adds to the frame, RGB; these and Cache::emission() sum to the frame.
   Image layer(size_t i) const;
-  /// Writes .exr (docs/frame-format.md) or .png.
+  /// Writes .exr or .png (docs/frame-format.md).
   void save(const std::string& path) const;
 
  private:

@@ -91,6 +91,9 @@ std::vector<Line> make_lines(const Session& session, ivec2 pixel) {
       {"coverage", fmt::format("{:8.3f}   {} record{}", report.coverage, report.records.size(),
                                report.records.size() == 1 ? "" : "s")});
   add_light_lines(session, report, lines);
+  if (session.cache()->info().has_emission) {
+    lines.push_back({"emission", color_text(report.emission)});
+  }
   add_record_lines(session, report, lines);
   return lines;
 }

@@ -123,6 +123,9 @@ void bind_cache(py::module_& module) {
           "coverage", [](const api::Cache& cache) { return own_array(cache.coverage()); },
           "(height, width), the part of each pixel that geometry covers.")
       .def_property_readonly(
+          "emission", [](const api::Cache& cache) { return own_array(cache.emission()); },
+          "(height, width, 3), what materials send out by themselves, whatever the lights.")
+      .def_property_readonly(
           "predicted_error",
           [](const api::Cache& cache) { return own_array(cache.predicted_error()); },
           "(height, width), what reduction is predicted to have changed.");
@@ -145,7 +148,8 @@ void bind_relighter(py::module_& module) {
       .def(
           "layer",
           [](const api::Relighter& self, size_t light) { return own_array(self.layer(light)); },
-          py::arg("light"), "What one light adds to the frame; layers sum to it.")
+          py::arg("light"),
+          "What one light adds to the frame; layers and the cache's emission sum to it.")
       .def("save", &api::Relighter::save, py::arg("path"), py::call_guard<py::gil_scoped_release>(),
            "Writes .exr or .png.");
 }

@@ -168,6 +168,7 @@ PixelReport inspect_pixel(const RelightCache& cache, const Tracer* tracer,
     if (!is_inside) continue;
     const size_t pixel = static_cast<size_t>(y - tile.y0) * tile.width + (x - tile.x0);
     report.coverage = static_cast<float>(tile.coverage[pixel]) / 255.0f;
+    if (tile.emission != nullptr) std::copy_n(tile.emission + 3 * pixel, 3, &report.emission.x);
     visit_tile(cache, decoder, tile, [&](int px, int py, const DecodedRecord& record) {
       if (px == x && py == y) add_record(info, tracer, lights, record, report);
     });

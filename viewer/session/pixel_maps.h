@@ -34,6 +34,7 @@ struct PixelReport {
   float coverage = 0;  ///< in [0, 1]
   std::vector<InspectedRecord> records;
   std::vector<vec3> light_values;  ///< what each light adds to the pixel, scene-linear
+  vec3 emission{0};                ///< what its materials add by themselves
 };
 
 /// Takes a pixel apart, in double precision. With a tracer each record's shadow is traced from its

@@ -32,7 +32,8 @@ bool is_visible(const ViewSampler& view, const SampleType& type, const float* ve
       make_shadow_ray(position, normal_offset >= 0 ? &normal : nullptr, bias, wi, distance));
 }
 
-/// The records of one pixel under all lights; the heaviest says which lights it sees.
+/// The records of one pixel under all lights, and what it emits; the heaviest says which lights it
+/// sees.
 vec3 shade_pixel(const ViewSampler& view, const SampleTile& tile, size_t pixel) {
   const std::vector<SampleType>& types = view.types.types;
   std::vector<RecordPlace> records;
@@ -47,13 +48,14 @@ vec3 shade_pixel(const ViewSampler& view, const SampleTile& tile, size_t pixel) 
       heaviest = records.back();
     }
   }
-  if (records.empty()) return vec3(0);
+  const dvec3 emission = tile.emission.empty() ? dvec3(0) : dvec3(tile.emission[pixel]);
+  if (records.empty()) return vec3(emission);
   const auto vector_of = [&](const RecordPlace& record) {
     return &tile.types[record.type]
                 .values[record.row * static_cast<size_t>(types[record.type].width)];
   };
   const double radius = view.tracer->bounds().radius();
-  dvec3 sum(0);
+  dvec3 sum = emission;
   for (const Light& light : view.scene->lights) {
     if (light.mute) continue;
     const bool seen =

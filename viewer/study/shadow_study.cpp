@@ -402,6 +402,7 @@ ShadowStudy study_shadows(const Scene& scene, const Tracer& tracer, const Shadow
                           TrialLog& log, const ProgressCallback& callback) {
   CHECK_MSG(params.spp >= 1 && params.truth_spp >= 1 && params.steps >= 0 && params.repeats >= 1,
             "{} {} {} {}", params.spp, params.truth_spp, params.steps, params.repeats);
+  CHECK_MSG(!has_emission(scene), "{} emits light", scene.name);
   const int width = params.width > 0 ? params.width : scene.width;
   const int height = params.height > 0 ? params.height : scene.height;
   const ViewFocus focus = find_focus(scene, tracer, width, height);

@@ -71,6 +71,7 @@ struct ShadowStudy {
 ShadowLightFigure mean_figure(const ShadowFigure& figure);
 
 /// Measures every trial, with all samples traced as the first. Deterministic but for the times.
+/// The scene's materials emit nothing (see remove_emission).
 /// Parts that `log` holds are taken from it, the others are added to it.
 ShadowStudy study_shadows(const Scene& scene, const Tracer& tracer, const ShadowStudyParams& params,
                           TrialLog& log, const ProgressCallback& progress);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/image/metrics.h"
 #include "core/relight/pixel_visibility.h"
 #include "core/relight/reference_relight.h"
@@ -218,6 +219,7 @@ Scene make_extreme_scene(const Scene& scene, const Bounds& bounds, Extreme extre
 std::vector<StabilityFigure> study_stability(const Scene& scene, const Tracer& tracer,
                                              const StabilityParams& params, TrialLog& log,
                                              const ProgressCallback& callback) {
+  CHECK_MSG(!has_emission(scene), "{} emits light", scene.name);
   std::vector<ExtremeCase> applying;
   std::vector<std::string> keys;
   for (const ExtremeCase& extreme : cases) {

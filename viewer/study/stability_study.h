@@ -49,7 +49,8 @@ struct StabilityFigure {
 Scene make_extreme_scene(const Scene& scene, const Bounds& bounds, Extreme extreme, double value);
 
 /// Every extreme that the scene has something for, several values of each. Deterministic. Figures
-/// that `log` holds are taken from it, the others added.
+/// that `log` holds are taken from it, the others added. The scene's materials emit nothing (see
+/// remove_emission).
 std::vector<StabilityFigure> study_stability(const Scene& scene, const Tracer& tracer,
                                              const StabilityParams& params, TrialLog& log,
                                              const ProgressCallback& progress);

@@ -292,6 +292,7 @@ const TradeoffFigure* recommend(const std::vector<TradeoffFigure>& figures, doub
 
 TradeoffStudy study_tradeoff(const Scene& scene, const Tracer& tracer, const TradeoffParams& params,
                              TrialLog& log, const ProgressCallback& callback) {
+  CHECK_MSG(!has_emission(scene), "{} emits light", scene.name);
   const Setting setting = make_setting(scene, tracer, params);
   Truth truth(setting, log, callback);
   CacheShelf shelf(setting, callback);

@@ -55,7 +55,8 @@ struct TradeoffStudy {
 };
 
 /// Measures every setting on the whole picture, and tracing with Embree beside them. Errors are
-/// deterministic, times are not. Figures that `log` holds are taken from it, the others added.
+/// deterministic, times are not. Figures that `log` holds are taken from it, the others added. The
+/// scene's materials emit nothing (see remove_emission).
 TradeoffStudy study_tradeoff(const Scene& scene, const Tracer& tracer, const TradeoffParams& params,
                              TrialLog& log, const ProgressCallback& progress);
 
