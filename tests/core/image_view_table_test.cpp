@@ -103,7 +103,10 @@ TEST(ViewTable, ClampsWhatLiesBeyond) {
 
 TEST(ViewTable, StaysFiniteWhateverTheTransformGives) {
   const ViewTable table([](std::span<float> rgb) {
-    for (float& value : rgb) value = value > 1 ? std::log(-value) : 1 / (value - 1);
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    for (float& value : rgb) {
+      value = value > 1 ? std::log(-value) : value == 1 ? infinity : 1 / (value - 1);
+    }
   });
   for (const float x : {0.0f, 0.9f, 1.0f, 1.1f, 3.0f, 64.0f}) {
     const vec3 found = look_up(table, vec3(x, 0.5f, 2));
