@@ -16,6 +16,8 @@ set_target_properties(relume_library PROPERTIES OUTPUT_NAME relume EXPORT_NAME r
 
 install(TARGETS relume_library EXPORT relume-targets
   LIBRARY COMPONENT program NAMELINK_COMPONENT development)
+add_dependencies(relume_library relume_decode)
+install(TARGETS relume_decode RUNTIME DESTINATION libexec/relume COMPONENT program)
 install(FILES ${CMAKE_SOURCE_DIR}/viewer/library/relume.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relume COMPONENT development)
 

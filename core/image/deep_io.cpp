@@ -10,14 +10,10 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/image/exr_rows.h"
+#include "core/image/image_input.h"
 
 namespace relume {
 namespace {
-
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text.empty() ? "unknown reason" : text;
-}
 
 ExrRows open_deep(const std::filesystem::path& path) {
   ExrRows rows(path);

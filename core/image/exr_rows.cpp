@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/mapped_file.h"
 #include "core/image/exr_header.h"
+#include "core/image/image_input.h"
 
 namespace relume {
 namespace {
@@ -22,11 +23,6 @@ constexpr uint64_t max_value_bytes = uint64_t{8} << 30;
 constexpr uint64_t max_row_samples = uint64_t{1} << 26;
 /// Flat pixels pass through memory in bands of about this many values.
 constexpr size_t band_values = size_t{1} << 22;
-
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text.empty() ? "unknown reason" : text;
-}
 
 Error unreadable(const std::filesystem::path& path, const std::string& reason) {
   return input_error(path.string(), "cannot read the image: " + one_line(reason),

@@ -20,7 +20,9 @@ std::string path;  // readers take files: one in memory, rewritten for each inpu
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   if (*argc == 2 && std::string_view((*argv)[1]) == "--list") {
-    for (const ReadTarget& one : read_targets()) fmt::print("{}\n", one.name);
+    for (const ReadTarget& one : read_targets()) {
+      if (!one.is_decoded_outside) fmt::print("{}\n", one.name);
+    }
     std::exit(0);
   }
   const char* name = std::getenv("RELUME_FUZZ_TARGET");

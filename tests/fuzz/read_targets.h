@@ -12,6 +12,7 @@ struct ReadTarget {
   std::string_view extension;  ///< that its files have, with the dot
   /// Reads all that the file holds. Throws Error(input) or Error(limit); anything else is a defect.
   void (*read)(const std::filesystem::path& path);
+  bool is_decoded_outside = false;  ///< in relume-decode, which libFuzzer does not see
 };
 
 /// All of them: whatever the program reads from outside has one.
