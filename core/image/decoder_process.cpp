@@ -22,7 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+#ifdef RELUME_SANITIZED
+constexpr rlim_t max_memory_bytes = RLIM_INFINITY;  // it takes terabytes of addresses
+#else
 constexpr rlim_t max_memory_bytes = rlim_t{4} << 30;
+#endif
 constexpr rlim_t max_seconds = 60;
 constexpr uint32_t max_message_bytes = 1 << 20;  ///< of a header or an error
 constexpr size_t max_metadata_bytes = 1 << 18;   ///< longer attributes are left out
@@ -392,10 +396,8 @@ void send_rows(ImageInput& input) {
 }
 
 void limit_process() {
-#ifndef RELUME_SANITIZED  // which takes terabytes of addresses
   const rlimit memory{max_memory_bytes, max_memory_bytes};
   setrlimit(RLIMIT_AS, &memory);
-#endif
   const rlimit none{0, 0};
   setrlimit(RLIMIT_FSIZE, &none);
   setrlimit(RLIMIT_CORE, &none);

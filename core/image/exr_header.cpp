@@ -100,13 +100,16 @@ std::string check_preview(Reader value, size_t size) {
   return {};
 }
 
-/// A list of channels: names, each with 16 bytes, up to an empty one.
+/// A list of channels: names, each with the type of its values (0 to 2) and 12 bytes more, up to an
+/// empty one. OpenImageIO ends the program for another type.
 std::string check_channels(Reader value) {
   while (true) {
     const auto name = value.name();
     if (!name) return "its list of channels is cut short";
     if (name->empty()) break;
-    if (!value.bytes(16)) return "its list of channels is cut short";
+    const auto type = value.number<uint32_t>();
+    if (!type || !value.bytes(12)) return "its list of channels is cut short";
+    if (*type > 2) return fmt::format("a channel's values are of type {}, which is none", *type);
   }
   return value.left() == 0 ? "" : "its list of channels ends before its size";
 }

@@ -1,7 +1,6 @@
 #include "core/image/exr_rows.h"
 
 #include <OpenImageIO/deepdata.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <cstring>
@@ -11,6 +10,7 @@
 #include "core/base/mapped_file.h"
 #include "core/image/exr_header.h"
 #include "core/image/image_input.h"
+#include "core/image/scanlines.h"
 
 namespace relume {
 namespace {
@@ -77,8 +77,9 @@ struct ExrRows::File {
   std::filesystem::path path;
   std::unique_ptr<OIIO::ImageInput> input;
   OIIO::ImageSpec spec;
-  std::vector<int> chosen;  ///< channels
-  std::vector<float> band;  ///< of the rows that were decoded last
+  std::vector<int> chosen;        ///< channels
+  std::vector<float> band;        ///< of the rows that were decoded last
+  std::vector<std::byte> native;  ///< as they are stored
 
   /// Of the data's first pixel in the display window.
   int64_t left() const { return int64_t{spec.x} - spec.full_x; }
@@ -187,12 +188,12 @@ int64_t ExrRows::File::read_flat_band(int64_t line, int64_t end, std::vector<flo
   band.resize(row_values * static_cast<size_t>(after - first));
   const int y = spec.y + static_cast<int>(first);
   const int y_end = spec.y + static_cast<int>(after);
-  const bool ok = is_tiled ? input->read_tiles(0, 0, spec.x, spec.x + spec.width, y, y_end, spec.z,
-                                               spec.z + 1, first_channel, first_channel + channels,
-                                               OIIO::TypeDesc::FLOAT, band.data())
-                           : input->read_scanlines(0, 0, y, y_end, spec.z, first_channel,
-                                                   first_channel + channels, OIIO::TypeDesc::FLOAT,
-                                                   band.data());
+  const OIIO::TypeDesc type = OIIO::TypeDesc::FLOAT;
+  const bool ok =
+      is_tiled ? input->read_tiles(0, 0, spec.x, spec.x + spec.width, y, y_end, spec.z, spec.z + 1,
+                                   first_channel, first_channel + channels, type, band.data())
+               : read_scanlines_as(*input, spec, y, y_end, first_channel, channels, type,
+                                   band.data(), native);
   // Some readers only note that data ended early.
   if (!ok || input->has_error()) throw unreadable(path, input->geterror());
   const int64_t stop = std::min(end, after);

@@ -1,7 +1,6 @@
 #include "core/image/image_input.h"
 
 #include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,9 +9,15 @@
 #include "core/base/mapped_file.h"
 #include "core/image/decoder_process.h"
 #include "core/image/exr_header.h"
+#include "core/image/scanlines.h"
 
 namespace relume {
 namespace {
+
+/// Pixels pass through memory in bands of about this many values, small ones first, so that a short
+/// file with a huge header fails before much is allocated.
+constexpr size_t first_band_values = size_t{1} << 16;
+constexpr size_t most_band_values = size_t{1} << 22;
 
 /// What a byte of a PNG, JPEG, TIFF, BMP, Targa or HDR file can stand for: deflate ends at 1032.
 constexpr uint64_t most_bytes_a_byte = 2000;
@@ -177,41 +182,53 @@ class DirectInput : public ImageInput {
     }
   }
 
-  int rows_of_a_band() const {
+  /// Rows of about `values` values: whole tiles, where there are tiles.
+  int band_rows(size_t values) const {
     const OIIO::ImageSpec& spec = library_spec_;
-    int rows = static_cast<int>(std::max<size_t>(1, image_band_values / spec_.row_values()));
+    int rows = static_cast<int>(std::max<size_t>(1, values / spec_.row_values()));
     if (spec.tile_width > 0) {
       const int tile = std::clamp(spec.tile_height, 1, max_image_px);
       rows = (rows + tile - 1) / tile * tile;
     }
-    return std::min(rows, spec.height);
+    return rows;
   }
 
   template <class Value>
   void read_bands(const std::function<void(int y, const Value* values)>& row) {
-    const OIIO::ImageSpec& spec = library_spec_;
-    const int band_rows = rows_of_a_band();
-    std::vector<Value> band(spec_.row_values() * static_cast<size_t>(band_rows));
-    const OIIO::TypeDesc type = type_of(band.data());
-    for (int top = 0; top < spec.height; top += band_rows) {
-      const int bottom = std::min(spec.height, top + band_rows);
-      const bool ok =
-          spec.tile_width > 0
-              ? input_->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + top, spec.y + bottom,
-                                   spec.z, spec.z + 1, 0, spec.nchannels, type, band.data())
-              : input_->read_scanlines(0, 0, spec.y + top, spec.y + bottom, spec.z, 0,
-                                       spec.nchannels, type, band.data());
-      if (!ok) throw source_.unreadable(input_->geterror());
+    const int height = library_spec_.height;
+    std::vector<Value> band;
+    size_t band_values = first_band_values;
+    for (int top = 0; top < height; band_values = std::min(2 * band_values, most_band_values)) {
+      const int bottom =
+          static_cast<int>(std::min<int64_t>(height, int64_t{top} + band_rows(band_values)));
+      band.resize(std::max(band.size(), spec_.row_values() * static_cast<size_t>(bottom - top)));
+      read_band(top, bottom, band.data());
       for (int y = top; y < bottom; ++y) row(y, band.data() + spec_.row_values() * (y - top));
+      top = bottom;
     }
     // Some readers only note that data ended early.
     if (input_->has_error()) throw source_.unreadable(input_->geterror());
+  }
+
+  template <class Value>
+  void read_band(int top, int bottom, Value* values) {
+    const OIIO::ImageSpec& spec = library_spec_;
+    const int y = spec.y + top;
+    const int y_end = spec.y + bottom;
+    const OIIO::TypeDesc type = type_of(values);
+    const bool ok =
+        spec.tile_width > 0
+            ? input_->read_tiles(0, 0, spec.x, spec.x + spec.width, y, y_end, spec.z, spec.z + 1, 0,
+                                 spec.nchannels, type, values)
+            : read_scanlines_as(*input_, spec, y, y_end, 0, spec.nchannels, type, values, native_);
+    if (!ok) throw source_.unreadable(input_->geterror());
   }
 
   ImageSource source_;
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;
   std::unique_ptr<OIIO::ImageInput> input_;
   OIIO::ImageSpec library_spec_;
+  std::vector<std::byte> native_;  ///< rows as they are stored
 };
 
 }  // namespace

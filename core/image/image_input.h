@@ -18,9 +18,6 @@ namespace relume {
 /// Largest side of an image, pixels.
 constexpr int max_image_px = 16384;
 constexpr int max_image_channels = 1024;
-/// Pixels pass through memory in bands of about this many values, so that a short file with a huge
-/// header fails before much is allocated.
-constexpr size_t image_band_values = size_t{1} << 22;
 
 /// A library's message on one line.
 std::string one_line(std::string text);

@@ -376,6 +376,7 @@ TEST_F(ImageIo, ExrHeadersThatLieAreRefusedBeforeAnythingIsTaken) {
       {std::string("channels\0chlist\0", 16), 0, 0xffffffff, "bytes that are not there"},
       {std::string("dataWindow\0box2i\0", 17), 0, 123, "box2i 123 bytes"},
       {std::string("channels\0chlist\0", 16), 4, 0x41414100, "list of channels"},
+      {std::string("channels\0chlist\0", 16), 6, 3, "of type 3, which is none"},  // after "B"
       {std::string("dataWindow\0box2i\0", 17), 16, 1 << 13, "too short for its"},
   };
   for (const Lie& lie : lies) {

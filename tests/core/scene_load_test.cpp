@@ -69,6 +69,14 @@ TEST(LoadScene, NamesThePathOfAMissingScene) {
   EXPECT_ERROR(load("/"), ErrorKind::input, "is not a regular file");
 }
 
+TEST(LoadScene, SaysThatGeometryAloneIsNoScene) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"a.obj", "a.ply", "a.hair"}) {
+    test::write_all(folder.file(name), "v 0 0 0\n");
+    EXPECT_ERROR(load(folder.file(name).string()), ErrorKind::input, "is geometry alone");
+  }
+}
+
 TEST(LoadScene, ResolvesPathsAgainstTheScenesFolder) {
   const test::TemporaryFolder folder;
   test::write_all(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

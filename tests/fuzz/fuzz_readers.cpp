@@ -1,11 +1,13 @@
-// libFuzzer's entry: RELUME_FUZZ_TARGET names the reader (tests/fuzz/read_targets.h). `./dev fuzz`
-// runs it for each.
+// libFuzzer's entry: RELUME_FUZZ_TARGET names the reader (tests/fuzz/read_targets.h),
+// RELUME_FUZZ_SEEDS the folder of right files (tests/fuzz/make_seeds). `./dev fuzz` runs it for
+// each.
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdlib>
+#include <memory>
 
 #include "tests/fuzz/read_targets.h"
 
@@ -14,7 +16,9 @@ namespace {
 using namespace relume::test;  // NOLINT: the targets
 
 const ReadTarget* target = nullptr;
-std::string path;  // readers take files: one in memory, rewritten for each input
+// Readers take files: one in memory, rewritten for each input.
+std::unique_ptr<HostileFolder> folder;
+std::string path;
 
 }  // namespace
 
@@ -33,8 +37,10 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     fmt::print(stderr, "\n");
     std::exit(2);
   }
-  path = fmt::format("/dev/shm/relume_fuzz_{}{}", getpid(), target->extension);
-  std::atexit([] { unlink(path.c_str()); });
+  const char* seeds = std::getenv("RELUME_FUZZ_SEEDS");
+  folder = std::make_unique<HostileFolder>(seeds != nullptr ? seeds : "");
+  path = folder->file(*target).string();
+  std::atexit([] { folder.reset(); });
   return 0;
 }
 

@@ -1,8 +1,10 @@
 #include "tests/fuzz/read_targets.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -11,6 +13,7 @@
 #include "core/image/image_io.h"
 #include "core/relight/receivers.h"
 #include "core/samples/relight_cache.h"
+#include "core/samples/sample_scene.h"
 #include "core/scene/channel_map.h"
 #include "core/scene/io/gltf.h"
 #include "core/scene/io/hair_file.h"
@@ -121,13 +124,34 @@ void read_frame(const fs::path& path) {
   (void)read_channel_names(path);
 }
 
+/// No NaN or infinity gets into a sample.
+void expect_finite(const SampleTile& tile) {
+  for (const TypedRows& rows : tile.types) {
+    const auto is_fine = [](float value) { return std::isfinite(value); };
+    if (!std::ranges::all_of(rows.values, is_fine) || !std::ranges::all_of(rows.weights, is_fine)) {
+      throw std::logic_error("a sample is not finite");
+    }
+  }
+}
+
 void read_aov(const fs::path& path) {
   static const ChannelMap map = load_channel_map("relume", shader_table());
-  Camera camera;  // of the seed
-  camera.eye = {0, 2, 6};
-  camera.target = {0, 0.5f, 0};
-  camera.fov_y_deg = 40;
-  AovSamples(path, map, 2, camera);
+  static const Scene nothing;
+  static const Tracer tracer(nothing);
+  Scene scene;
+  scene.shaders.assign(shader_table().begin(), shader_table().end());
+  scene.camera.eye = {0, 2, 6};  // of the seed
+  scene.camera.target = {0, 0.5f, 0};
+  scene.camera.fov_y_deg = 40;
+  AovSamples samples(path, map, 2, scene.camera);
+  samples.visit_hits([](const AovHit&) {});
+  if (samples.width() > 64 || samples.height() > 64) return;
+  samples.cast_own_shadows();
+  samples.add_materials(scene);
+  const ViewSampler view =
+      make_view_sampler(scene, tracer, samples.width(), samples.height(), samples.spp(), 1);
+  const SampleSource source = samples.source();
+  for (int tile = 0; tile < tile_count(view); ++tile) expect_finite(source.tile(view, tile));
 }
 
 /// A command line, an argument a line.
@@ -177,6 +201,22 @@ std::span<const ReadTarget> read_targets() {
 const ReadTarget* find_read_target(std::string_view name) {
   const auto found = std::ranges::find(targets, name, &ReadTarget::name);
   return found == std::end(targets) ? nullptr : &*found;
+}
+
+HostileFolder::HostileFolder(const fs::path& seeds)
+    : root_(fmt::format("/dev/shm/relume_hostile_{}", getpid())) {
+  fs::create_directories(root_ / "file");
+  if (seeds.empty()) return;
+  fs::copy(seeds / "companions", root_ / "companions", fs::copy_options::overwrite_existing);
+}
+
+HostileFolder::~HostileFolder() {
+  std::error_code ignored;
+  fs::remove_all(root_, ignored);
+}
+
+fs::path HostileFolder::file(const ReadTarget& target) const {
+  return root_ / "file" / fmt::format("hostile{}", target.extension);
 }
 
 ReadResult read_checked(const ReadTarget& target, const fs::path& path) {

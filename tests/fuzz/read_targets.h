@@ -21,6 +21,22 @@ std::span<const ReadTarget> read_targets();
 /// Null when there is none of that name.
 const ReadTarget* find_read_target(std::string_view name);
 
+/// A folder in memory for a hostile file, beside a copy of the right files (tests/fuzz/make_seeds
+/// writes them to "companions") that it names by "../companions/NAME". It is removed at the end.
+class HostileFolder {
+ public:
+  /// `seeds`: the folder that make_seeds wrote; empty: no companions.
+  explicit HostileFolder(const std::filesystem::path& seeds);
+  ~HostileFolder();
+  HostileFolder(const HostileFolder&) = delete;
+  HostileFolder& operator=(const HostileFolder&) = delete;
+
+  std::filesystem::path file(const ReadTarget& target) const;
+
+ private:
+  std::filesystem::path root_;
+};
+
 enum class ReadResult { accepted, refused };
 
 /// Reads `path`. A refusal must be one line that names the file; what is not one, or another

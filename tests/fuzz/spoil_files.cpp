@@ -183,7 +183,7 @@ struct Tally {
 
 class Run {
  public:
-  Run(fs::path seeds, size_t files) : seeds_(std::move(seeds)), files_(files) {
+  Run(const fs::path& seeds, size_t files) : seeds_(seeds), files_(files), folder_(seeds) {
     const size_t bytes = files_a_child * sizeof(Outcome);
     void* shared = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) throw std::runtime_error("no shared memory");
@@ -209,10 +209,6 @@ class Run {
   }
 
  private:
-  fs::path file_of(const ReadTarget& target) const {
-    return fmt::format("/dev/shm/relume_spoiled_{}{}", getpid(), target.extension);
-  }
-
   /// Seeds are right. Nothing is read in this process: the libraries' threads would not outlive a
   /// fork.
   static void check_seed(const ReadTarget& target, const fs::path& seed) {
@@ -236,7 +232,7 @@ class Run {
                  size_t count, Tally& tally) {
     std::memset(outcomes_, 0, files_a_child * sizeof(Outcome));
     for (size_t next = first; next < end;) {
-      const fs::path path = file_of(target);
+      const fs::path path = folder_.file(target);
       const pid_t child = fork();
       if (child < 0) throw std::runtime_error("cannot start a child");
       if (child == 0) {
@@ -296,6 +292,7 @@ class Run {
 
   fs::path seeds_;
   size_t files_;
+  HostileFolder folder_;
   Outcome* outcomes_ = nullptr;
 };
 

@@ -466,30 +466,38 @@ int run_parsed(Parsed& parsed, const Team& team) {
 
 constexpr size_t longest_message = 800;  // of what cannot be parsed, in bytes
 
-/// Parses, then calls use(parsed); returns its exit code or tells the error and returns that one's.
-template <class Use>
-int parse_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& errors,
-                       const Use& use) {
+/// All that the program takes.
+struct CommandLine {
   CLI::App app{"Relume: moves lights through final-quality hair and foliage in real time",
                "relume"};
-  app.set_version_flag("--version", fmt::format("relume {} ({})", relume_version, relume_commit));
-  app.require_subcommand(1);
-  app.footer(
-      "Exit codes: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output, "
-      "130 interrupted");
   Parsed parsed;
-  add_demo(app, parsed);
-  add_view(app, parsed);
-  add_prepare_command(app, parsed);
-  add_render(app, parsed);
-  add_sample(app, parsed);
-  add_convert(app, parsed);
-  add_verify(app, parsed);
-  add_compare(app, parsed);
-  add_bench(app, parsed);
-  add_info(app, parsed);
-  add_study(app, parsed);
-  add_pages(app, parsed);
+
+  CommandLine() {
+    app.set_version_flag("--version", fmt::format("relume {} ({})", relume_version, relume_commit));
+    app.require_subcommand(1);
+    app.footer(
+        "Exit codes: 0 ok, 1 compared images differ, 2 usage, 3 input, 4 limit, 5 output, "
+        "130 interrupted");
+    add_demo(app, parsed);
+    add_view(app, parsed);
+    add_prepare_command(app, parsed);
+    add_render(app, parsed);
+    add_sample(app, parsed);
+    add_convert(app, parsed);
+    add_verify(app, parsed);
+    add_compare(app, parsed);
+    add_bench(app, parsed);
+    add_info(app, parsed);
+    add_study(app, parsed);
+    add_pages(app, parsed);
+  }
+};
+
+/// Parses, then calls use(parsed); returns its exit code or tells the error and returns that one's.
+template <class Use>
+int parse_command_line(CommandLine& line, int argc, const char* const* argv, std::ostream& out,
+                       std::ostream& errors, const Use& use) {
+  auto& [app, parsed] = line;
   for (int i = 1; i < argc; ++i) {
     parsed.common.command_line += printable(argv[i], 1 << 12) + '\n';
   }
@@ -517,14 +525,17 @@ int parse_command_line(int argc, const char* const* argv, std::ostream& out, std
 }  // namespace
 
 int run_command_line(int argc, const char* const* argv) {
-  return parse_command_line(argc, argv, std::cout, std::cerr, run_parsed);
+  CommandLine line;
+  return parse_command_line(line, argc, argv, std::cout, std::cerr, run_parsed);
 }
 
 std::string check_command_line(int argc, const char* const* argv) {
+  static CommandLine line;  // takes milliseconds to make
+  line.parsed.common.command_line.clear();
   std::ostringstream out;
   std::ostringstream errors;
-  const int code =
-      parse_command_line(argc, argv, out, errors, [](const Parsed&, const Team&) { return 0; });
+  const int code = parse_command_line(line, argc, argv, out, errors,
+                                      [](const Parsed&, const Team&) { return 0; });
   if (code == 0) return {};
   const std::string told = errors.str();
   return told.substr(0, told.find('\n'));

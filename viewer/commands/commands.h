@@ -37,7 +37,7 @@ bool can_open_window();
 /// 130 interrupted.
 int run_command_line(int argc, const char* const* argv);
 
-/// The same without running or printing: empty, or the error's first line.
+/// The same without running or printing: empty, or the error's first line. By one thread at a time.
 std::string check_command_line(int argc, const char* const* argv);
 
 }  // namespace relume

@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-constexpr size_t step_bytes = size_t{1} << 20;
+constexpr size_t step_bytes = size_t{1} << 16;
 constexpr int gzip_window = 15 + 16;  // the largest window, with a gzip header
 
 bool is_packed_name(const std::filesystem::path& path) {
