@@ -10,6 +10,7 @@ built without a header of the window or the command line.
 import os
 import pathlib
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -23,10 +24,18 @@ def run(*command, **environment):
     return result.stdout
 
 
+def write_bmp(path):
+    """One red pixel: read by relume-decode, which must be found where it is installed."""
+    path.write_bytes(b"BM" + struct.pack("<IIIIiiHHIIiiII", 58, 0, 54, 40, 1, 1, 1, 24, 0, 4, 0, 0, 0, 0) + b"\0\0\xff\0")
+    return path
+
+
 def check_program(prefix):
     assert "relume" in run(prefix / "bin/relume", "--version")
     assert '.TH RELUME 1' in (prefix / "share/man/man1/relume.1").read_text(encoding="utf-8")
     assert (prefix / "share/bash-completion/completions/relume").is_file()
+    bmp = write_bmp(prefix / "red.bmp")
+    run(prefix / "bin/relume", "compare", bmp, bmp, "--fail", "0")
 
 
 def check_library_alone(build, prefix):
@@ -65,6 +74,10 @@ def check_pkg_config(examples, prefix, folder, compiler):
 def check_python(examples, prefix, folder, python):
     module, = prefix.rglob("relume.*.so")
     print(run(python, examples / "relight.py", folder, PYTHONPATH=str(module.parent)), end="")
+    picture = write_bmp(folder / "red.bmp")
+    red = run(python, "-c", f"import relume; print(relume.read_image('{picture}').tolist())",
+              PYTHONPATH=str(module.parent))
+    assert red.strip() == "[[[1.0, 0.0, 0.0]]]", red
 
 
 def main():
