@@ -264,16 +264,14 @@ class Child {
   int socket_ = -1;
 };
 
-/// Decoders that wait for work: starting one takes a fifth of a second, for its many libraries.
-class IdleChildren {
+/// A decoder that waits for work: starting one takes a fifth of a second, for its many libraries.
+class IdleChild {
  public:
-  std::unique_ptr<Child> take(const ImageSource& source) {
-    {
-      const std::scoped_lock lock(mutex_);
-      std::unique_ptr<Child> child = std::move(child_);
-      if (child != nullptr && child->is_ours()) return child;
-    }
-    return std::make_unique<Child>(source);
+  /// Null where none waits.
+  std::unique_ptr<Child> take() {
+    const std::scoped_lock lock(mutex_);
+    std::unique_ptr<Child> child = std::move(child_);
+    return child != nullptr && child->is_ours() ? std::move(child) : nullptr;
   }
 
   void give_back(std::unique_ptr<Child> child) {
@@ -286,21 +284,24 @@ class IdleChildren {
   std::unique_ptr<Child> child_;
 };
 
-IdleChildren& idle_children() {
-  static IdleChildren children;
-  return children;
+IdleChild& idle_child() {
+  static IdleChild child;
+  return child;
 }
 
 class DecodedInput : public ImageInput {
  public:
-  explicit DecodedInput(const ImageSource& source)
-      : source_(source), child_(idle_children().take(source)) {
+  explicit DecodedInput(const ImageSource& source) : source_(source), child_(idle_child().take()) {
     Packer request;
     request.add(fs::absolute(source.path).string());
     request.add(source.place);
-    const auto size = static_cast<uint32_t>(request.bytes().size());
-    if (!child_->send(&size, sizeof(size)) || !child_->send(request.bytes().data(), size)) fail();
-    const Envelope envelope = next();
+    Envelope envelope;
+    // One that waited may have been killed meanwhile.
+    if (child_ == nullptr || !ask(request.bytes(), envelope)) {
+      child_ = std::make_unique<Child>(source);
+      if (!ask(request.bytes(), envelope)) fail();
+    }
+    throw_if_error(envelope);
     const auto spec = unpacked(receive_text(envelope.size));
     if (envelope.reply != Reply::header || !spec) fail();
     spec_ = *spec;
@@ -309,7 +310,7 @@ class DecodedInput : public ImageInput {
   ~DecodedInput() override {
     constexpr uint8_t no_rows = 0;
     if (child_ == nullptr || has_begun_ || !child_->send(&no_rows, sizeof(no_rows))) return;
-    idle_children().give_back(std::move(child_));
+    idle_child().give_back(std::move(child_));
   }
 
   void read_rows(const std::function<void(int y, const float* values)>& row) override {
@@ -334,7 +335,13 @@ class DecodedInput : public ImageInput {
     }
     // Its last word may be that the file ended early.
     if (next().reply != Reply::end) fail();
-    idle_children().give_back(std::move(child_));
+    idle_child().give_back(std::move(child_));
+  }
+
+  bool ask(const std::string& request, Envelope& answer) {
+    const auto size = static_cast<uint32_t>(request.size());
+    return child_->send(&size, sizeof(size)) && child_->send(request.data(), size) &&
+           child_->receive(&answer, sizeof(answer));
   }
 
   void receive(void* data, size_t size) {
@@ -348,16 +355,20 @@ class DecodedInput : public ImageInput {
     return text;
   }
 
-  /// The next message's envelope. What the decoder says is wrong is thrown.
+  /// The next message's envelope.
   Envelope next() {
     Envelope envelope;
     receive(&envelope, sizeof(envelope));
-    if (envelope.reply != Reply::input_error && envelope.reply != Reply::limit_error) {
-      return envelope;
-    }
+    throw_if_error(envelope);
+    return envelope;
+  }
+
+  /// What the decoder says is wrong.
+  void throw_if_error(const Envelope& envelope) {
+    if (envelope.reply != Reply::input_error && envelope.reply != Reply::limit_error) return;
     const bool is_limit = envelope.reply == Reply::limit_error;
     const std::string message = printable(receive_text(envelope.size), 900);
-    idle_children().give_back(std::move(child_));
+    idle_child().give_back(std::move(child_));
     throw Error(is_limit ? ErrorKind::limit : ErrorKind::input, message);
   }
 

@@ -89,7 +89,6 @@ class Decoder : public testing::Test {
     return path;
   }
 
- private:
   const test::TemporaryFolder folder_;
 };
 
@@ -165,6 +164,33 @@ TEST_F(Decoder, FormatsAreWhatTheirBytesSay) {
       error_of([&] { read_image(write("sgi.png", Bytes("\x01\xda\x01\x01", 4) + Bytes(600, 0))); });
   EXPECT_EQ(unknown.kind(), ErrorKind::input);
   EXPECT_TRUE(mentions(unknown.what(), "no format that is known"));
+}
+
+TEST_F(Decoder, TrustedFormatsStartNoProcess) {
+  for (const pid_t decoder : children()) kill(decoder, SIGKILL);  // of earlier tests
+  const size_t before = children().size();
+  const Image picture(3, 2);
+  const fs::path exr = folder_.file("a.exr");
+  write_exr(exr, std::vector<ExrLayer>{{"", {"R", "G", "B"}, &picture}});
+  const fs::path png = folder_.file("a.png");
+  write_png(png, {1, 1, 3, {1, 2, 3}});
+  read_image(exr);
+  read_image(png);
+  EXPECT_EQ(children().size(), before);
+}
+
+TEST_F(Decoder, LeavesNoFileOpen) {
+  const auto open_files = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  const fs::path path = write("a.bmp", make_bmp());
+  read_image(path);
+  const auto before = open_files();
+  for (int i = 0; i < 3; ++i) {
+    for (const pid_t decoder : children()) kill(decoder, SIGKILL);
+    EXPECT_EQ(read_image(path).width, 2) << "by another one";
+  }
+  EXPECT_EQ(open_files(), before);
 }
 
 TEST_F(Decoder, CutFilesAreOneErrorThatNamesThem) {
