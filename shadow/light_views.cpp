@@ -16,7 +16,7 @@ CoverageView make_view(dvec3 forward, dvec3 origin, double k) {
   dvec3 up;
   make_axes(forward, right, up);
   CoverageView view{};
-  const dvec3 rows[3] = {right, up, forward};
+  const dvec3 rows[] = {right, up, forward};
   for (int i = 0; i < 3; ++i) {
     for (size_t axis = 0; axis < 3; ++axis) view.row[i][axis] = static_cast<float>(rows[i][axis]);
     view.row[i][3] = static_cast<float>(-glm::dot(rows[i], origin));

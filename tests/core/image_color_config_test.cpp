@@ -143,6 +143,18 @@ TEST_F(ColorConfig, CurveIsEqualForAnyThreadCount) {
   }
 }
 
+TEST_F(ColorConfig, TableIsMadeOnceAndShowsTheView) {
+  const ConfigView view;
+  const ViewTable* const table = &view.table();
+  ASSERT_NE(table, nullptr);
+  EXPECT_EQ(&view.table(), table);
+  std::array<float, 6> quick = {0.5f, 4, 0.125f, 8, 0.25f, 0.01f};
+  std::array<float, 6> exact = quick;
+  table->apply(quick);
+  view.apply(exact);
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(quick[i], exact[i], 1.0 / 255) << i;
+}
+
 TEST_F(ColorConfig, DraftIsNearTheView) {
   const Image image = make_frame();
   for (const float exposure : {-2.0f, 0.0f, 1.3f}) {

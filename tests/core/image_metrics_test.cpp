@@ -90,6 +90,15 @@ TEST(Metrics, BlackReferenceStaysFinite) {
   EXPECT_EQ(black.relative_mse, 0);
 }
 
+TEST(Metrics, PicturesWithoutPixelsHaveNoError) {
+  const ImageError error = compare_images(Image(0, 5), Image(0, 5));
+  EXPECT_EQ(error.pixels, 0u);
+  for (const double value : {error.error_image, error.error_covered, error.rmse, error.relative_mse,
+                             error.reference_mean, error.max_error}) {
+    EXPECT_EQ(value, 0);
+  }
+}
+
 TEST(Metrics, ScaleWithBothImages) {
   const Image a = random_image(40, 30, 2);
   const Image b = random_image(40, 30, 3);

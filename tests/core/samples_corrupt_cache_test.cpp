@@ -404,6 +404,28 @@ TEST(CorruptCache, ForgedInfoBytesNeverCrash) {
   }
 }
 
+TEST(CorruptCache, FlagsAreZeroOrOne) {
+  const Bytes valid = make_valid();
+  CacheHeader header;
+  std::memcpy(&header, valid.data(), sizeof(header));
+  const CacheInfo info = RelightCache::from_bytes(to_chunks(valid), shader_table(), "evil").info();
+  const std::vector<std::byte> encoded = encode_info(info);
+  ASSERT_EQ(encoded.size(), header.info_size);
+  const std::vector<bool CacheInfo::*> flags = {&CacheInfo::has_predicted_error,
+                                                &CacheInfo::has_footprints, &CacheInfo::has_members,
+                                                &CacheInfo::has_emission};
+  for (size_t i = 0; i < flags.size(); ++i) {
+    CacheInfo other = info;
+    other.*flags[i] = !(other.*flags[i]);
+    const std::vector<std::byte> changed = encode_info(other);
+    const auto at = std::mismatch(encoded.begin(), encoded.end(), changed.begin()).first;
+    Bytes forged = valid;
+    forged[header.info_offset + static_cast<size_t>(at - encoded.begin())] = std::byte{2};
+    rehash(forged);
+    EXPECT_ERROR(use(forged), ErrorKind::input, "a label is unknown");
+  }
+}
+
 TEST(CorruptCache, ImageMustMatchTheTiles) {
   // A small file may not claim a large image: the reader would allocate it.
   const std::vector<SampleType> types = all_sample_types();

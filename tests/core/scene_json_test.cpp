@@ -222,6 +222,15 @@ TEST(SceneJson, LimitsAreErrorsOfTheirOwnKind) {
                "/name: 300 bytes are too long");
 }
 
+TEST(SceneJson, FilesOfMoreThan64MiBAreRefused) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.file("scene.json");
+  test::write_all(file, scene_text());
+  EXPECT_EQ(load_scene(file.string(), shader_table()).name, "test");
+  std::filesystem::resize_file(file, (uint64_t{64} << 20) + 1);
+  EXPECT_ERROR(load_scene(file.string(), shader_table()), ErrorKind::limit, "67108865 bytes");
+}
+
 TEST(SceneJson, RejectsCamerasThatSeeNothing) {
   expect_input_error(scene_text("camera", R"({"eye": [0, 0, 0], "target": [0, 0, 0]})"),
                      "camera/target");
@@ -281,6 +290,21 @@ TEST(SceneJson, ScattersWithoutCopyingGeometry) {
   EXPECT_EQ(scene.prototypes.size(), 1u);
   EXPECT_EQ(scene.instances.size(), 50u);
   expect_input_error(scattered("90"), "of 50 fit");
+}
+
+TEST(SceneJson, ScattersWithinAMillionTimesLargerOrSmaller) {
+  const auto scattered = [](const std::string& scale) {
+    return scene_text("geometry", R"([
+      {"name": "ball", "generator": "sphere", "rings": 8, "material": "clay", "prototype": true},
+      {"scatter": ["ball"], "count": 2, "area": [[-1, -1], [1, 1]], "scale": )" +
+                                      scale + "}]");
+  };
+  for (const char* scale : {"1e6", "1e-6", "[1e-6, 1e6]"}) {
+    EXPECT_EQ(parse(scattered(scale)).instances.size(), 2u) << scale;
+  }
+  for (const char* scale : {"1.01e6", "0.99e-6", "[1, 1.01e6]", "[0.99e-6, 1]", "0", "-1"}) {
+    expect_input_error(scattered(scale), "is out of range");
+  }
 }
 
 TEST(SceneJson, RelativeLightsFollowTheScenesUnits) {

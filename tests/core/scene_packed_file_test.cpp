@@ -66,6 +66,13 @@ TEST_F(PackedFileTest, WhatUnpacksToTooMuchIsRefused) {
   EXPECT_ERROR(PackedFile(pack("bomb.gz", zeros)), ErrorKind::limit, "unpacks to more than");
 }
 
+TEST_F(PackedFileTest, ShortFilesMayUnpackToManyTimesTheirSize) {
+  const std::string zeros(size_t{2} << 20, '\0');
+  const std::filesystem::path path = pack("zeros.gz", zeros);
+  ASSERT_GT(zeros.size(), most_unpacked_times * std::filesystem::file_size(path));
+  EXPECT_EQ(PackedFile(path).text().size(), zeros.size());
+}
+
 TEST_F(PackedFileTest, ScenesIncludeThem) {
   EXPECT_EQ(read_ply(pack("a.ply.gz", triangle)).positions.size(), 3u);
   pack("part.pbrt.gz", "Shape \"plymesh\" \"string filename\" \"a.ply.gz\"\n");

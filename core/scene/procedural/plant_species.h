@@ -41,14 +41,14 @@ Mesh make_flower_group(FlowerKind kind, float height, const PlantMaterials& mate
 
 /// A woody plant that branches `levels` times, with leaves on its last two levels.
 struct WoodyShape {
-  float height = 1;
-  float trunk_radius = 0.02f;
-  int stems = 1;  ///< from the ground
-  int levels = 3;
-  int children = 6;  ///< branches per branch
-  int leaves_per_twig = 12;
-  float leaf_length = 0.05f;
-  float spread_rad = 0.8f;  ///< angle between a branch and its parent
+  float height;
+  float trunk_radius;
+  int stems;  ///< from the ground
+  int levels;
+  int children;  ///< branches per branch
+  int leaves_per_twig;
+  float leaf_length;
+  float spread_rad;  ///< angle between a branch and its parent
 };
 Mesh make_woody_plant(const WoodyShape& shape, const PlantMaterials& materials, Random& random);
 
