@@ -191,6 +191,20 @@ TEST_F(ColorConfig, DraftIsTheViewBeyondItsTable) {
   for (size_t i = 0; i < 20; ++i) ASSERT_EQ(draft[i], exact[i]) << i;
 }
 
+TEST_F(ColorConfig, DraftOfAPixelIsTheSameWhateverItsNeighbours) {
+  const std::array<vec3, 4> colors = {
+      vec3(0.5f, 0.3f, 0.2f), {1e30f, 200, 0.1f}, {0.01f, 2, 3}, {-1e9f, 2, 3}};
+  Image all(4, 1);
+  for (size_t i = 0; i < 4; ++i) std::copy_n(&colors[i].x, 3, &all.pixels[3 * i]);
+  const std::vector<uint8_t> together = show(all, 0, DisplayQuality::draft);
+  for (size_t i = 0; i < 4; ++i) {
+    Image one(1, 1);
+    std::copy_n(&colors[i].x, 3, one.pixels.data());
+    const std::vector<uint8_t> alone = show(one, 0, DisplayQuality::draft);
+    for (size_t c = 0; c < 4; ++c) EXPECT_EQ(together[4 * i + c], alone[c]) << i << " " << c;
+  }
+}
+
 TEST(ColorConfigOfFilms, DraftIsNearTheView) {
   const ColorConfigFile config(aces_config);
   const Image image = make_frame();

@@ -171,6 +171,10 @@ TEST(ValidateScene, FindsEveryBrokenInvariant) {
     s.materials[0].parameters.push_back({"diffuse", vec3(1), 0});
   });
   expect("singular", [](Scene& s, Mesh&) { s.instances[0].world_from_local[1] = vec3(0); });
+  for (const float bad : {nan, 1.1e9f, -std::numeric_limits<float>::infinity()}) {
+    expect("its transform is not finite or above 1e9",
+           [&](Scene& s, Mesh&) { s.instances[0].world_from_local[3].y = bad; });
+  }
   expect("reaches beyond", [](Scene& s, Mesh&) {
     s.instances[0].world_from_local[3] = vec3(0.9999999e9f);
     s.instances[0].world_from_local[0] = vec3(1e6f, 0, 0);

@@ -412,6 +412,24 @@ TEST(Coverage, OutsideTheConeThereIsNoWork) {
   for (const float v : known_visibility(cache, coverage, away)) ASSERT_EQ(v, 1.0f);
   EXPECT_EQ(coverage.stats().receivers, 0u);
   EXPECT_EQ(coverage.stats().primitives, 0u);
+  EXPECT_EQ(coverage.stats().rays, 0u);
+  EXPECT_EQ(coverage.stats().project_ms, 0);
+  EXPECT_EQ(coverage.stats().shade_ms, 0);
+}
+
+TEST(Coverage, FootprintsThatAreWideSeeFewerTriangles) {
+  uint64_t last = std::numeric_limits<uint64_t>::max();
+  for (const int size_px : {192, 48, 12}) {
+    Scene scene = make_blades();
+    scene.width = scene.height = size_px;
+    const Tracer tracer(scene);
+    const RelightCache cache = make_full_cache(scene, tracer, 1);
+    CoverageVisibility coverage(tracer, cache);
+    coverage.prepare(make_point_light({1, 4, 1.5f}));
+    printf("%d %zu\n", size_px, size_t(coverage.stats().primitives));
+    EXPECT_LT(static_cast<double>(coverage.stats().primitives), 0.8 * static_cast<double>(last));
+    last = coverage.stats().primitives;
+  }
 }
 
 TEST(Coverage, FarLightsAreParallel) {

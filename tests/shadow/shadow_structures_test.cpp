@@ -4,6 +4,7 @@
 #include "shadow/depth_map.h"
 #include "shadow/light_grid.h"
 #include "shadow/lookup_kernel.h"
+#include "shadow/solid_shadow.h"
 #include "shadow/volume_grid.h"
 #include "tests/support/records.h"
 #include "tests/support/scenes.h"
@@ -156,6 +157,18 @@ TEST(DepthMap, StrandsInBandsAreStrandsOneByOne) {
   }
 }
 
+TEST(DepthMap, TellsTheMemoryOfItsBandsToo) {
+  const Scene scene = make_strands(300, 0.003f);
+  const SceneStrips scene_strips(scene);
+  const StrandSet strands = scene_strips.strands();
+  DepthMap map(make_plane(400));
+  const uint64_t texels = uint64_t{400} * 400 * sizeof(float);
+  EXPECT_EQ(map.memory_bytes(), texels);
+  map.draw_strands(strands);
+  EXPECT_GE(map.memory_bytes(), texels + strands.memory_bytes())
+      << "each point is projected, each segment in a band or more";
+}
+
 /// Area of all cells as seen along a unit vector, world units.
 double area_seen(const VolumeGrid& grid, vec3 w) {
   double area = 0;
@@ -201,6 +214,16 @@ TEST(VolumeGrid, StaysBelowItsLimits) {
   EXPECT_TRUE(std::ranges::is_sorted(fine.occupied));
   EXPECT_NEAR(area_seen(fine, {0, 0, 1}), area_seen(sparse, {0, 0, 1}),
               0.05 * area_seen(fine, {0, 0, 1}));
+}
+
+TEST(VolumeGrid, StaysBelowItsLimitsInManyParts) {
+  // More cells than are filled in one go.
+  const Scene scene = make_strands(400, 0.002f);
+  const VolumeParams params{
+      .max_cells = 2'500'000, .max_strand_cells = 2'500'000, .max_occupied = 10'000};
+  const VolumeGrid grid = make_volume_grid(SceneStrips(scene), params);
+  EXPECT_LE(grid.occupied.size(), params.max_occupied);
+  EXPECT_GT(grid.occupied.size(), params.max_occupied / 2);
 }
 
 TEST(VolumeGrid, ClumpingIsOneForWhatIsThin) {
@@ -354,6 +377,31 @@ TEST_P(LookupKernel, LightGridsAgreeWithScalar) {
   }
 }
 
+TEST_P(LookupKernel, LightThatMissesTheGridComesWhole) {
+  // A grid that lets nothing pass, and rays that cross its slabs one after the other.
+  const std::vector<float> cells(32 * 32 * 32, 0.0f);
+  LightGridLookup grid{cells.data(), {32, 32, 32}, {0, 0, 0}, 1, false, {30, 100, 16}, 0.5f};
+  float position[3][lookup_lanes];
+  const float bias[lookup_lanes] = {};
+  for (int lane = 0; lane < lookup_lanes; ++lane) {
+    const bool is_before = lane % 2 == 0;  // beside the grid, or right below it
+    position[0][lane] = is_before ? -10.0f - static_cast<float>(lane) : 16.0f;
+    position[1][lane] = is_before ? 20.0f : -5.0f - static_cast<float>(lane);
+    position[2][lane] = 16;
+  }
+  for (const bool is_parallel : {false, true}) {
+    grid.parallel = is_parallel;
+    const vec3 towards = is_parallel ? glm::normalize(vec3(1, 2, 0)) : vec3(30, 100, 16);
+    for (int axis = 0; axis < 3; ++axis) grid.light[axis] = towards[axis];
+    float passed[lookup_lanes];
+    lookup_kernels(GetParam())
+        .look_up_light(grid, {{position[0], position[1], position[2]}, bias}, passed);
+    for (int lane = 0; lane < lookup_lanes; ++lane) {
+      EXPECT_EQ(passed[lane], lane % 2 == 0 ? 1.0f : 0.0f) << lane << " " << is_parallel;
+    }
+  }
+}
+
 /// Cells that all hold the same area, the same seen from everywhere.
 VolumeGrid make_even_grid(float area) {
   VolumeGrid grid;
@@ -412,6 +460,40 @@ TEST(LightGrid, ParallelLightRunsDownEveryAxis) {
         EXPECT_NEAR(left, std::pow(0.98f * 0.98f, static_cast<float>(i + 1)), 1e-3f) << axis;
       }
     }
+  }
+}
+
+TEST(SolidShadow, OfALightDoesNotDependOnTheOneBefore) {
+  Scene scene = make_empty_scene(make_camera({0, 0, 5}, vec3(0), 40), 8, 8);
+  add_shape(scene, make_sphere({0, 0, 0}, 0.5f, 24, add_material(scene, "lambert")));
+  const SceneStrips strips(scene);
+  // Receivers are asked for in a small box; points lie outside of it too.
+  Bounds box;
+  box.extend(vec3(-0.15f, -1.05f, -0.15f));
+  box.extend(vec3(0.15f, -0.75f, 0.15f));
+  std::vector<vec4> points;
+  for (uint64_t i = 0; i < 2000; ++i) {
+    Random random(12, RandomStream::tests, i);
+    const float x = random.uniform(-4, 4);
+    const float y = random.uniform(-1.5f, -0.6f);
+    points.emplace_back(x, y, random.uniform(-4, 4), 0.0f);
+  }
+  const std::vector<Light> lights = {make_point_light({0, 3, 0}), make_point_light({1.5f, 2, 0}),
+                                     make_directional_light({0.2f, -1, 0.1f}),
+                                     make_point_light({0, -1, 0}), make_point_light({-1, 2, 1})};
+  SolidShadow moved(strips, {box});
+  for (const Light& light : lights) {
+    SolidShadow fresh(strips, {box});
+    fresh.prepare(light);
+    moved.prepare(light);
+    std::vector<uint8_t> expected;
+    std::vector<uint8_t> hidden;
+    fresh.mark_hidden(points, expected);
+    moved.mark_hidden(points, hidden);
+    EXPECT_EQ(hidden, expected) << light.position.x << " " << light.position.y;
+    const bool is_inside = light.position.y < 0;
+    EXPECT_EQ(std::ranges::count(expected, 1) == 0, is_inside);
+    EXPECT_EQ(moved.memory_bytes(), fresh.memory_bytes());
   }
 }
 

@@ -117,6 +117,44 @@ TEST(ThinLevels, OfLeavesWithTwoFacesFillNoBays) {
   }
 }
 
+/// A flat disc of one face, a fan of 24 triangles.
+Mesh make_disc(uint32_t material) {
+  constexpr uint32_t corners = 24;
+  Mesh mesh;
+  for (uint32_t i = 0; i < corners; ++i) {
+    const float angle = 2 * pi * static_cast<float>(i) / corners;
+    mesh.positions.emplace_back(std::cos(angle), std::sin(angle), 0);
+  }
+  mesh.positions.emplace_back(0, 0, 0);
+  for (uint32_t i = 0; i < corners; ++i) mesh.triangles.emplace_back(corners, i, (i + 1) % corners);
+  mesh.materials.assign(mesh.triangles.size(), material);
+  return mesh;
+}
+
+TEST(ThinLevels, AreTheSameAtAnyScale) {
+  // By powers of two, so that every step rounds alike.
+  const auto shape_of = [](const Mesh& mesh, float scale) {
+    Scene scene = make_empty_scene(make_camera({0, 0, 5 * scale}, vec3(0), 40), 64, 64);
+    add_material(scene, "leaf");
+    Mesh scaled = mesh;
+    for (vec3& p : scaled.positions) p *= scale;
+    add_shape(scene, scaled);
+    return make_thin_geometry(scene, 64, 64).shapes.at(0);
+  };
+  for (const Mesh& mesh : {make_star(0), make_bent_blade(0), make_disc(0)}) {
+    const ThinShape expected = shape_of(mesh, 1);
+    for (const float scale : {0x1p-10f, 0x1p10f}) {
+      const ThinShape found = shape_of(mesh, scale);
+      ASSERT_EQ(found.levels.size(), expected.levels.size()) << scale;
+      for (size_t i = 0; i < found.levels.size(); ++i) {
+        EXPECT_EQ(found.levels[i].triangles, expected.levels[i].triangles);
+        EXPECT_EQ(found.levels[i].opacity, expected.levels[i].opacity);
+        EXPECT_EQ(found.levels[i].error[0], scale * expected.levels[i].error[0]);
+      }
+    }
+  }
+}
+
 TEST(ThinLevels, LeaveSolidsThatAreDrawnAsTheyAre) {
   Scene scene = make_empty_scene(make_camera({0, 1, 5}, vec3(0), 40), 64, 64);
   const uint32_t material = add_material(scene, "lambert");
