@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "core/image/deep_io.h"
 #include "core/image/exr_header.h"
@@ -64,6 +66,46 @@ TEST(DeepImageDefault, IsEmpty) {
   EXPECT_EQ(image.width, 0);
   EXPECT_EQ(image.height, 0);
   EXPECT_EQ(image.pixel_count(), 0u);
+}
+
+TEST(ChannelRows, HoldEveryPixel) {
+  const test::TemporaryFolder folder;
+  Image image(5, 3, 2);
+  for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<float>(i + 1);
+  const std::filesystem::path path = folder.file("a.exr");
+  write_exr(path, std::array<ExrLayer, 1>{{{"", {"P.x", "P.y"}, &image}}});
+  std::vector<float> found;
+  read_channel_rows(path, std::vector<std::string>{"P.x", "P.y"},
+                    [&](int y, std::span<const float> values) {
+                      EXPECT_EQ(found.size(), static_cast<size_t>(10 * y));
+                      found.insert(found.end(), values.begin(), values.end());
+                    });
+  EXPECT_EQ(found, image.pixels);
+}
+
+size_t count_children() {
+  size_t count = 0;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream list(thread.path() / "children");
+    for (int id = 0; list >> id;) ++count;
+  }
+  return count;
+}
+
+/// Whether an EXR and a PNG are read without a process of their own.
+bool reads_alone() {
+  const test::TemporaryFolder folder;
+  const Image image(4, 4);
+  write_exr(folder.file("a.exr"), std::array<ExrLayer, 1>{{{"", {"R", "G", "B"}, &image}}});
+  write_png(folder.file("a.png"), {4, 4, 3, std::vector<uint8_t>(48, 7)});
+  return read_image(folder.file("a.exr")).width == 4 &&
+         read_image(folder.file("a.png")).width == 4 && count_children() == 0;
+}
+
+TEST(DecoderDeathTest, NoneIsStartedForExrAndPng) {
+  // In a new process, where none waits from before.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(std::_Exit(reads_alone() ? 0 : 1), testing::ExitedWithCode(0), "");
 }
 
 TEST(TextureAlpha, IsTheFilesOrOneInEveryColourSpace) {

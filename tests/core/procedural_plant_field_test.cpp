@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <set>
 
 #include "core/base/parallel.h"
 #include "core/scene/procedural/generators.h"
 #include "core/scene/procedural/mesh_builder.h"
+#include "core/scene/procedural/plant_species.h"
 #include "core/scene/procedural/terrain.h"
 #include "core/scene/scene.h"
 #include "core/shade/shaders.h"
@@ -61,6 +63,29 @@ TEST(PlantField, DefaultsStandForTenMillionTriangles) {
   EXPECT_GE(counts.instanced_triangles, 10'000'000u);
   EXPECT_LE(counts.triangles, counts.instanced_triangles / 50);
   EXPECT_EQ(scene.instances.size(), 1u + 5000u + 20000u);
+}
+
+TEST(PlantSpecies, StandOnTheGroundAtTheirRoot) {
+  const std::vector<std::pair<const char*, std::function<Mesh(Random&)>>> species = {
+      {"tuft", [](Random& r) { return make_grass_tuft({}, {}, r); }},
+      {"fern", [](Random& r) { return make_fern(1, {}, r); }},
+      {"herb", [](Random& r) { return make_leafy_herb(0.5f, 0.1f, {}, r); }},
+      {"daisy", [](Random& r) { return make_flower_group(FlowerKind::daisy, 0.4f, {}, r); }},
+      {"cup", [](Random& r) { return make_flower_group(FlowerKind::cup, 0.4f, {}, r); }},
+      {"spike", [](Random& r) { return make_flower_group(FlowerKind::spike, 0.4f, {}, r); }},
+      {"tree", [](Random& r) {
+         return make_woody_plant({3, 0.07f, 1, 3, 4, 6, 0.1f, 0.85f}, {}, r);
+       }}};
+  for (const auto& [name, make] : species) {
+    for (uint64_t seed = 0; seed < 5; ++seed) {
+      Random random(seed, RandomStream::tests, 0);
+      const Mesh mesh = make(random);
+      float low = 1;
+      for (const vec3 p : mesh.positions) low = std::min(low, p.y);
+      EXPECT_LE(low, 0.0f) << name << " floats";
+      EXPECT_GE(low, -0.02f) << name;
+    }
+  }
 }
 
 TEST(PlantField, InstancesStandOnTheGroundWithinTheField) {

@@ -480,6 +480,21 @@ TEST(CorruptCache, InfoThatMakesNoSenseIsRefused) {
   }
 }
 
+TEST(CorruptCache, ImagesBeyondTheLimitAreToldAsSuch) {
+  const std::vector<SampleType> types = all_sample_types();
+  const SampleTile tile = make_random_tile(types, 4, 4, 0, 1);
+  for (const ivec2 size : {ivec2(0, 4), ivec2(4, -1), ivec2(16385, 4), ivec2(4, 16385)}) {
+    CacheWriter writer;
+    writer.add(pack_tile(tile, types));
+    CacheInfo info = make_tile_info(tile, types, {0, 0, 5});
+    info.width = size.x;
+    info.height = size.y;
+    writer.finish(info);
+    EXPECT_ERROR(RelightCache::from_bytes(writer.take_bytes(), shader_table(), "evil"),
+                 ErrorKind::input, "the image size is out of range");
+  }
+}
+
 TEST(CorruptCache, UnknownShaderIsNamed) {
   const auto all = shader_table();
   const Bytes valid = make_valid();

@@ -44,8 +44,13 @@ TEST(ChannelMaps, FilesAreReadLikePresets) {
   EXPECT_EQ(map.coverage, "A");
   ASSERT_EQ(map.types.size(), 1u);
   ASSERT_EQ(map.types[0].fields.size(), 3u);
-  EXPECT_EQ(map.types[0].fields[0].layer, "P");
-  EXPECT_EQ(map.types[0].fields[2].constant, vec3(0.5f, 0.25f, 1));
+  for (const ChannelSource& source : map.types[0].fields) {
+    if (source.field == "position") {
+      EXPECT_EQ(source.layer, "P");
+    } else if (source.field == "diffuse") {
+      EXPECT_EQ(source.constant, vec3(0.5f, 0.25f, 1));
+    }
+  }
   EXPECT_FALSE(map.types[0].id.has_value());
   EXPECT_ERROR(load_channel_map("cycle", shader_table()), ErrorKind::input, "cycle");
 }

@@ -3,6 +3,7 @@
 #include "core/base/check.h"
 #include "core/image/image_io.h"
 #include "core/scene/io/obj.h"
+#include "core/scene/io/smooth_normals.h"
 #include "core/shade/phong.h"
 #include "core/shade/shaders.h"
 #include "tests/support/expect_error.h"
@@ -90,6 +91,24 @@ TEST_F(ObjFile, AcceptsWhatExportersWrite) {
             two);
   EXPECT_EQ(load("f 1 2 3 4\n" + quad).triangles.size(), two);
   EXPECT_EQ(load(quad + "vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n").uvs.size(), 3u);
+}
+
+TEST(SmoothNormals, OfFacesThatCancelAreThoseOfOne) {
+  // Four wings around the z axis.
+  const std::vector<vec3> positions = {{0, 0, 0}, {0, 0, 1},  {1, 0, 0},
+                                       {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  const std::vector<uvec3> wings = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {0, 1, 5}};
+  const SmoothNormals smooth = make_smooth_normals(positions, wings, 180);
+  const std::vector<vec3> faces = {{0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};
+  for (size_t corner = 0; corner < 12; ++corner) {
+    const vec3 normal = smooth.normals.at(smooth.normal_of_corner.at(corner));
+    if (corner % 3 == 2) {
+      EXPECT_EQ(normal, faces[corner / 3]) << corner;
+    } else {
+      EXPECT_EQ(normal, smooth.normals[smooth.normal_of_corner[corner % 3]]) << corner;
+      EXPECT_NE(std::ranges::find(faces, normal), faces.end()) << corner;
+    }
+  }
 }
 
 TEST_F(ObjFile, CutsConcavePolygonsInside) {

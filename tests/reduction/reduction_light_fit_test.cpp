@@ -6,6 +6,7 @@
 #include "core/shade/shaders.h"
 #include "reduction/methods/cholesky.h"
 #include "reduction/methods/light_fit.h"
+#include "reduction/methods/light_fit_records.h"
 #include "reduction/training.h"
 
 namespace relume::test {
@@ -144,6 +145,78 @@ TEST(LightFit, SaysNothingWhenAllIsBlack) {
   const TrainingSet training = make_lights(pixel, 0);
   LightFit fit(training.evaluator, {});
   EXPECT_FALSE(fit.load(pixel.matrices, 0.1f));
+}
+
+/// What `records` show under the lights: 3 x columns a record.
+std::vector<float> responses_of(const LobeEvaluator& evaluator,
+                                const std::vector<FitRecord>& records) {
+  const auto columns = static_cast<size_t>(evaluator.lights().columns());
+  std::vector<float> out;
+  std::vector<float> lobes(max_lobes * columns);
+  for (const FitRecord& record : records) {
+    std::fill(lobes.begin(), lobes.end(), 0.0f);
+    evaluator.lobes(record.type, record.vector.data(), lobes.data());
+    for (int c = 0; c < 3; ++c) {
+      for (size_t j = 0; j < columns; ++j) {
+        out.push_back(record.color[0][c] * lobes[j] + record.color[1][c] * lobes[columns + j]);
+      }
+    }
+  }
+  return out;
+}
+
+TEST(RecordFitter, FindsWhatTheTargetWasMadeOfInFewSteps) {
+  const Pixel pixel(25, 0);
+  const TrainingSet training = make_lights(pixel, 0);
+  const LobeEvaluator& evaluator = training.evaluator;
+  const std::vector<float> ones(static_cast<size_t>(evaluator.lights().columns()), 1.0f);
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    Random random(seed, RandomStream::tests, 1);
+    std::vector<FitRecord> expected(2);
+    for (size_t r = 0; r < 2; ++r) {
+      FitRecord& record = expected[r];
+      record.type = 1;  // phong
+      record.vector.assign(pixel.values[1].begin(), pixel.values[1].begin() + 14);
+      const vec3 normal =
+          glm::normalize(vec3(r == 0 ? -0.6f : 0.6f, random.uniform(-0.3f, 0.3f), 1));
+      std::copy_n(&normal.x, 3, &record.vector[4]);
+      record.vector[13] = random.uniform(8, 20);
+      record.scalar_low = 1;
+      record.scalar_high = 100;
+      for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < max_lobes; ++k) {
+          record.color[k][c] = random.uniform(0.2f, 0.8f);
+          record.upper[k][c] = 2;
+        }
+      }
+    }
+    const std::vector<float> targets = responses_of(evaluator, expected);
+    std::vector<FitRecord> records = expected;
+    for (FitRecord& record : records) {
+      const vec3 turned =
+          glm::normalize(vec3(record.vector[4] + random.uniform(-0.15f, 0.15f),
+                              record.vector[5] + random.uniform(-0.15f, 0.15f), record.vector[6]));
+      std::copy_n(&turned.x, 3, &record.vector[4]);
+      record.vector[13] *= random.uniform(0.8f, 1.2f);
+      for (int c = 0; c < 3; ++c) {
+        for (auto& lobe : record.color) lobe[c] *= random.uniform(0.7f, 1.3f);
+      }
+    }
+    const auto error_of = [&] {
+      const std::vector<float> found = responses_of(evaluator, records);
+      double error = 0;
+      double squares = 0;
+      for (size_t i = 0; i < found.size(); ++i) {
+        error += std::pow(double{found[i]} - targets[i], 2);
+        squares += std::pow(double{targets[i]}, 2);
+      }
+      return error / squares;
+    };
+    ASSERT_GT(error_of(), 0.05) << seed;
+    RecordFitter fitter(evaluator, ones);
+    fitter.fit(records, targets, 0.1f, 0, 8);
+    EXPECT_LT(error_of(), 1e-6) << seed;
+  }
 }
 
 TEST(Cholesky, SolvesAndRefusesSingularMatrices) {

@@ -176,6 +176,25 @@ TEST_P(Approximator, SolidsAreExact) {
   }
 }
 
+TEST_P(Approximator, WhatIsLitFromBehindAsksWhateverItsNormal) {
+  Scene scene = make_sky();
+  add_shape(scene, make_sphere({0, 0, 0}, 0.3f, 24, 0));
+  const Tracer tracer(scene);
+  TracedVisibility traced(tracer);
+  const ReceiverSet receivers = make_receivers(500, {0, -0.7f, 0}, 0.15f, 14);
+  const auto source = make_source(GetParam(), scene, receivers);
+  const Light light = make_point_light({0, 3, 0});
+  for (VisibilitySource* each : {static_cast<VisibilitySource*>(&traced), source.get()}) {
+    each->prepare(light);
+    std::vector<float> visibility(receivers.weight.size());
+    each->visibility(receivers.view(true, true), visibility.data());
+    EXPECT_LT(mean(visibility), 0.01) << "all lie in the shadow";
+    each->visibility(receivers.view(true, false), visibility.data());
+    EXPECT_NEAR(mean(visibility), 0.5, 0.1)
+        << "half of them turn away, and light cannot light them";
+  }
+}
+
 TEST_P(Approximator, SpotsOutsideTheirConeAskNothing) {
   Scene scene = make_sky();
   add_strands(scene, 3000, 0.01f, 9);

@@ -426,9 +426,40 @@ TEST(Coverage, FootprintsThatAreWideSeeFewerTriangles) {
     const RelightCache cache = make_full_cache(scene, tracer, 1);
     CoverageVisibility coverage(tracer, cache);
     coverage.prepare(make_point_light({1, 4, 1.5f}));
-    printf("%d %zu\n", size_px, size_t(coverage.stats().primitives));
     EXPECT_LT(static_cast<double>(coverage.stats().primitives), 0.8 * static_cast<double>(last));
     last = coverage.stats().primitives;
+  }
+}
+
+TEST(Coverage, OfStrandsThatPassTheLightIsTheSameEitherWayRound) {
+  // From above and behind the light to below it: cut where they are level with it.
+  const auto make = [](bool from_above) {
+    Scene scene = make_empty_scene(make_camera({0, 3, 5}, {0, 0, 0}, 40), 32, 32);
+    add_floor(scene);
+    const uint32_t hair = add_material(scene, "kajiya-kay");
+    for (int i = 0; i < 12; ++i) {
+      const float x = -1.1f + 0.2f * static_cast<float>(i);
+      const vec3 above(x, 2, -0.4f);
+      const vec3 below(x, 0.05f, 0.6f);
+      add_shape(scene, make_strand(from_above ? above : below, from_above ? below : above, 0.03f, 1,
+                                   hair));
+    }
+    return scene;
+  };
+  const Scene down = make(true);
+  const Scene up = make(false);
+  const Tracer down_tracer(down);
+  const Tracer up_tracer(up);
+  const RelightCache down_cache = make_full_cache(down, down_tracer, 4);
+  const RelightCache up_cache = make_full_cache(up, up_tracer, 4);
+  CoverageVisibility down_coverage(down_tracer, down_cache);
+  CoverageVisibility up_coverage(up_tracer, up_cache);
+  const auto rays = make_shadow(ShadowMethod::ray, down_tracer, down_cache);
+  for (const vec3 place : {vec3(0.1f, 0.8f, 0.5f), vec3(-0.6f, 1, 0.4f)}) {
+    const Light light = make_point_light(place);
+    const double mean = mean_of(known_visibility(down_cache, down_coverage, light));
+    EXPECT_NEAR(mean_of(known_visibility(up_cache, up_coverage, light)), mean, 2e-3);
+    EXPECT_NEAR(mean_of(known_visibility(down_cache, *rays, light)), mean, 0.02);
   }
 }
 

@@ -82,6 +82,37 @@ TEST(ReceiverTree, BoundsHoldEveryReceiverAndTheNearestIsKnown) {
   }
 }
 
+TEST(ReceiverTree, LeavesHardlyOverlap) {
+  // A cloud of strands.
+  Scene scene = make_empty_scene(make_camera({0, 0, 6}, vec3(0), 22), 128, 128);
+  const uint32_t hair = add_material(scene, "kajiya-kay");
+  Random random(6, RandomStream::tests, 0);
+  for (int i = 0; i < 1500; ++i) {
+    const vec3 middle = random_direction(random);
+    const vec3 half = 0.15f * random_direction(random);
+    add_shape(scene, make_strand(middle - half, middle + half, 0.02f, 2, hair));
+  }
+  const Learned learned(std::move(scene), 1);
+  const LearnedReceivers& receivers = learned.receivers;
+  const CoverageKernels kernels = coverage_kernels(InstructionSet::scalar);
+  for (const double distance : {1.25, 1.5, 3.0, 100.0}) {  // radii
+    const dvec3 place = receivers.center + distance * receivers.scale * dvec3(0, 1, 0);
+    const LightViews lights =
+        make_light_views(make_point_light(vec3(place)), receivers.center, receivers.scale);
+    ReceiverTree tree;
+    std::vector<ReceiverState> states;
+    std::vector<KeyedIndex> scratch;
+    build_receiver_tree(receivers, lights, PixelShare::all, kernels, tree, states, scratch);
+    ASSERT_GE(tree.leaves.size(), 8u);
+    const auto area = [](const ReceiverNode& node) {
+      return (node.u_high - node.u_low) * (node.v_high - node.v_low);
+    };
+    float leaves = 0;
+    for (const ReceiverNode& node : tree.nodes) leaves += node.child_count == 0 ? area(node) : 0;
+    EXPECT_LT(leaves, 1.2f * area(tree.nodes[tree.views[0].root])) << distance;
+  }
+}
+
 /// Half a tube of 16 facets with smooth normals, along x, open away from the camera.
 Mesh make_bent_leaf(float radius, uint32_t material) {
   constexpr uint32_t steps = 16;

@@ -523,8 +523,7 @@ class Reader {
   void place_mesh(int mesh, const dmat4& world, const std::string& place) {
     at(model_.meshes, mesh, place, "mesh");
     if (content_.meshes[mesh].primitives.empty()) return;
-    GltfPlacement placement{mesh, identity_transform()};
-    for (int column = 0; column < 4; ++column) placement.world_from_local[column] = world[column];
+    const GltfPlacement placement{mesh, mat4x3(glm::dmat4x3(world))};
     if (!is_coordinate(placement.world_from_local[3])) fail(place, "lies too far away");
     if (!(uniform_scale(placement.world_from_local) > 1e-12f)) {
       collapsed_nodes.add();
