@@ -191,7 +191,7 @@ class ChunkProjector {
     while (tree_.nodes[start_].child_count > 0) {
       const ReceiverNode& node = tree_.nodes[start_];
       uint32_t reached = 0;
-      uint32_t last = 0;
+      uint32_t last = start_;
       for (uint32_t c = 0; c < node.child_count; ++c) {
         const ReceiverNode& child = tree_.nodes[node.first_child + c];
         if (!overlaps(box, child)) continue;

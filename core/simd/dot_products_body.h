@@ -13,7 +13,7 @@ float sum_lanes(Pack<W> a) {
   if constexpr (W == 1) {
     return a.v;
   } else if constexpr (W == 4) {
-    const auto pairs = a.v + __builtin_shufflevector(a.v, a.v, 2, 3, 2, 3);
+    const auto pairs = a.v + __builtin_shufflevector(a.v, a.v, 2, 3, -1, -1);
     return pairs[0] + pairs[1];
   } else if constexpr (W == 8) {
     return sum_lanes(make_pack<4>(__builtin_shufflevector(a.v, a.v, 0, 1, 2, 3) +

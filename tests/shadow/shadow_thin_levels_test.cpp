@@ -155,6 +155,34 @@ TEST(ThinLevels, AreTheSameAtAnyScale) {
   }
 }
 
+TEST(ThinLevels, AreAtMostSixAndEachIsMuchSmaller) {
+  // A flat grid of 16 x 16 quads: every vertex may go.
+  constexpr uint32_t side = 17;
+  Mesh mesh;
+  for (uint32_t i = 0; i < side * side; ++i) {
+    mesh.positions.emplace_back(static_cast<float>(i % side), static_cast<float>(i / side), 0);
+  }
+  for (uint32_t i = 0; i + side + 1 < side * side; ++i) {
+    if (i % side == side - 1) continue;
+    mesh.triangles.emplace_back(i, i + 1, i + side + 1);
+    mesh.triangles.emplace_back(i, i + side + 1, i + side);
+  }
+  mesh.materials.assign(mesh.triangles.size(), 0);
+  Scene scene = make_empty_scene(make_camera({8, 8, 50}, {8, 8, 0}, 40), 64, 64);
+  add_material(scene, "leaf");
+  add_shape(scene, mesh);
+  const ThinGeometry geometry = make_thin_geometry(scene, 64, 64);
+  const ThinShape& shape = geometry.shapes.at(0);
+  EXPECT_EQ(shape.levels.size(), 6u);
+  size_t last = shape.triangles.size();
+  ASSERT_EQ(last, 512u);
+  for (const ThinLevel& level : shape.levels) {
+    EXPECT_LE(static_cast<double>(level.triangles.size()), 0.6 * static_cast<double>(last));
+    last = level.triangles.size();
+  }
+  EXPECT_GT(last, 3u) << "a seventh could follow";
+}
+
 TEST(ThinLevels, LeaveSolidsThatAreDrawnAsTheyAre) {
   Scene scene = make_empty_scene(make_camera({0, 1, 5}, vec3(0), 40), 64, 64);
   const uint32_t material = add_material(scene, "lambert");
