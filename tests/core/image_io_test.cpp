@@ -177,23 +177,6 @@ TEST_F(ImageIo, ExrOfManyBandsKeepsRowOrder) {
   EXPECT_EQ(read.pixels, tall.pixels);
 }
 
-TEST_F(ImageIo, RowsOfChannelsHoldEveryPixel) {
-  const Image image = random_image(5, 4, 3, 12);
-  const fs::path path = in_folder("rows.exr");
-  write_exr(path, std::vector<ExrLayer>{{"", {"R", "G", "B"}, &image}});
-  const std::vector<std::string> names = {"B", "R"};
-  int rows = 0;
-  read_channel_rows(path, names, [&](int y, std::span<const float> values) {
-    EXPECT_EQ(y, rows++);
-    ASSERT_EQ(values.size(), 10u);
-    for (int x = 0; x < 5; ++x) {
-      EXPECT_EQ(values[2 * x], image.at(x, y)[2]);
-      EXPECT_EQ(values[2 * x + 1], image.at(x, y)[0]);
-    }
-  });
-  EXPECT_EQ(rows, 4);
-}
-
 TEST_F(ImageIo, MissingLayerIsNamed) {
   const Image image = random_image(4, 4, 3, 5);
   const fs::path path = in_folder("one.exr");

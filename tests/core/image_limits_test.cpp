@@ -83,31 +83,6 @@ TEST(ChannelRows, HoldEveryPixel) {
   EXPECT_EQ(found, image.pixels);
 }
 
-size_t count_children() {
-  size_t count = 0;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::ifstream list(thread.path() / "children");
-    for (int id = 0; list >> id;) ++count;
-  }
-  return count;
-}
-
-/// Whether an EXR and a PNG are read without a process of their own.
-bool reads_alone() {
-  const test::TemporaryFolder folder;
-  const Image image(4, 4);
-  write_exr(folder.file("a.exr"), std::array<ExrLayer, 1>{{{"", {"R", "G", "B"}, &image}}});
-  write_png(folder.file("a.png"), {4, 4, 3, std::vector<uint8_t>(48, 7)});
-  return read_image(folder.file("a.exr")).width == 4 &&
-         read_image(folder.file("a.png")).width == 4 && count_children() == 0;
-}
-
-TEST(DecoderDeathTest, NoneIsStartedForExrAndPng) {
-  // In a new process, where none waits from before.
-  GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(std::_Exit(reads_alone() ? 0 : 1), testing::ExitedWithCode(0), "");
-}
-
 TEST(TextureAlpha, IsTheFilesOrOneInEveryColourSpace) {
   const test::ColorConfigFile config;
   const auto alpha_of = [&](const std::vector<std::string>& names, const std::string& space) {
