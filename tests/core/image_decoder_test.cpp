@@ -168,7 +168,7 @@ TEST_F(Decoder, FormatsAreWhatTheirBytesSay) {
 
 TEST_F(Decoder, TrustedFormatsStartNoProcess) {
   for (const pid_t decoder : children()) kill(decoder, SIGKILL);  // of earlier tests
-  const size_t before = children().size();
+  const std::vector<pid_t> before = children();
   const Image picture(3, 2);
   const fs::path exr = folder_.file("a.exr");
   write_exr(exr, std::vector<ExrLayer>{{"", {"R", "G", "B"}, &picture}});
@@ -176,7 +176,7 @@ TEST_F(Decoder, TrustedFormatsStartNoProcess) {
   write_png(png, {1, 1, 3, {1, 2, 3}});
   read_image(exr);
   read_image(png);
-  EXPECT_EQ(children().size(), before);
+  EXPECT_EQ(children(), before);
 }
 
 TEST_F(Decoder, LeavesNoFileOpen) {
