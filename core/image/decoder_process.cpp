@@ -29,7 +29,8 @@ constexpr rlim_t max_memory_bytes = rlim_t{4} << 30;
 #endif
 constexpr rlim_t max_seconds = 60;
 constexpr uint32_t max_message_bytes = 1 << 20;  ///< of a header or an error
-constexpr size_t max_metadata_bytes = 1 << 18;   ///< longer attributes are left out
+constexpr size_t most_drained_bytes = size_t{16} << 20;
+constexpr size_t max_metadata_bytes = 1 << 18;  ///< longer attributes are left out
 
 /// What a message of the decoder holds.
 enum class Reply : uint32_t { header, rows, end, input_error, limit_error };
@@ -309,8 +310,9 @@ class DecodedInput : public ImageInput {
 
   ~DecodedInput() override {
     constexpr uint8_t no_rows = 0;
-    if (child_ == nullptr || has_begun_ || !child_->send(&no_rows, sizeof(no_rows))) return;
-    idle_child().give_back(std::move(child_));
+    if (child_ == nullptr) return;
+    const bool is_idle = has_begun_ ? drain() : child_->send(&no_rows, sizeof(no_rows));
+    if (is_idle) idle_child().give_back(std::move(child_));
   }
 
   void read_rows(const std::function<void(int y, const float* values)>& row) override {
@@ -361,6 +363,22 @@ class DecodedInput : public ImageInput {
     receive(&envelope, sizeof(envelope));
     throw_if_error(envelope);
     return envelope;
+  }
+
+  /// Rows that nobody wants any more, unless it is faster to start another decoder. True: it waits.
+  bool drain() {
+    std::vector<char> rest(1 << 16);
+    Envelope envelope;
+    for (size_t drained = 0; drained < most_drained_bytes; drained += envelope.size) {
+      if (!child_->receive(&envelope, sizeof(envelope))) return false;
+      for (uint32_t left = envelope.size; left > 0;) {
+        const auto part = std::min<uint32_t>(left, static_cast<uint32_t>(rest.size()));
+        if (!child_->receive(rest.data(), part)) return false;
+        left -= part;
+      }
+      if (envelope.reply != Reply::rows) return true;
+    }
+    return false;
   }
 
   /// What the decoder says is wrong.

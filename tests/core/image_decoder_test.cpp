@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/image/decoder_process.h"
@@ -191,6 +192,18 @@ TEST_F(Decoder, LeavesNoFileOpen) {
     EXPECT_EQ(read_image(path).width, 2) << "by another one";
   }
   EXPECT_EQ(open_files(), before);
+}
+
+TEST_F(Decoder, StaysForTheNextImageWhenRowsAreNotWanted) {
+  Bytes values;
+  for (int i = 0; i < 40 * 30; ++i) append(values, std::numeric_limits<float>::infinity());
+  const fs::path broken = write("infinite.tif", make_tiff(40, 30, 1, values, true));
+  EXPECT_TRUE(mentions(error_of([&] { read_image(broken); }).what(), "not finite"));
+  const std::vector<pid_t> first = children();
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_TRUE(mentions(error_of([&] { read_image(broken); }).what(), "not finite"));
+  EXPECT_EQ(read_image(write("a.bmp", make_bmp())).width, 2);
+  EXPECT_EQ(children(), first);
 }
 
 TEST_F(Decoder, CutFilesAreOneErrorThatNamesThem) {
