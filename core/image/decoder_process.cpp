@@ -205,8 +205,10 @@ class Child {
                           "install all of Relume, or convert the image to EXR, PNG or JPEG");
     }
     std::array<int, 2> ends{};
-    int failure = errno;
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0) {
+    int failure = 0;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+      failure = errno;
+    } else {
       socket_ = ends[0];
       failure = start(program.string(), ends[1]);
       close(ends[1]);
