@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/image/image_io.h"
 #include "core/math/transform.h"
 #include "core/scene/io/json_geometry.h"
@@ -381,6 +383,15 @@ TEST(LightFiles, ComeBackAsTheyWere) {
     EXPECT_EQ(read[i].casts_shadow, lights[i].casts_shadow);
   }
   EXPECT_TRUE(parse_lights(format_lights({}), "none").empty());
+}
+
+TEST(LightFiles, KeepTheSignOfZero) {
+  const auto read = parse_lights(R"({"lights": [{"direction": [-0.0, -1, 0]}]})", "lights.json");
+  const std::string text = format_lights(read);
+  const auto again = parse_lights(text, "lights.json");
+  EXPECT_TRUE(std::signbit(again[0].direction.x));
+  EXPECT_FALSE(std::signbit(again[0].direction.z));
+  EXPECT_EQ(format_lights(again), text);
 }
 
 TEST(LightFiles, AcceptAWholeScene) {

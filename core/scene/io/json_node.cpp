@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
@@ -298,7 +299,8 @@ std::string json_quoted(const std::string& text) {
 }
 
 std::string json_number(float value) {
-  return fmt::format("{}", value);
+  // JSON readers take "-0" as an integer, which has no negative zero.
+  return value == 0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
 }
 
 }  // namespace relume
