@@ -66,7 +66,12 @@ const char* const small = "-q --width 48 --height 48 --spp 9 ";
 
 TEST(Program, RefusesUnknownCommandsWithTwo) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run_relume(folder, "frobnicate").exit_code, 2);
+  expect_one_line_error(run_relume(folder, "frobnicate"), 2,
+                        "\"frobnicate\" is no command; there are demo, view,");
+  const Outcome hostile = run_relume(folder, "\"$(printf 'frob\\033[2Jnicate\\007')\"");
+  EXPECT_EQ(hostile.exit_code, 2);
+  EXPECT_NE(hostile.err.find("nicate"), std::string::npos) << hostile.err;
+  EXPECT_EQ(hostile.err.find_first_of("\033\007"), std::string::npos) << hostile.err;
   EXPECT_EQ(run_relume(folder, "render hair").exit_code, 2);
   EXPECT_EQ(run_relume(folder, "render hair -o x.exr --method nonsense").exit_code, 2);
   EXPECT_EQ(run_relume(folder, "--help").exit_code, 0);

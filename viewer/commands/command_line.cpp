@@ -493,6 +493,18 @@ struct CommandLine {
   }
 };
 
+/// A first word that is no command: CLI11 would only say that one is needed.
+void check_command(const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->check_name(argv[1])) return;
+    names.push_back(command->get_name());
+  }
+  throw Error(ErrorKind::usage, fmt::format("\"{}\" is no command; there are {} (relume --help)",
+                                            printable(argv[1], 100), fmt::join(names, ", ")));
+}
+
 /// Parses, then calls use(parsed); returns its exit code or tells the error and returns that one's.
 template <class Use>
 int parse_command_line(CommandLine& line, int argc, const char* const* argv, std::ostream& out,
@@ -505,6 +517,7 @@ int parse_command_line(CommandLine& line, int argc, const char* const* argv, std
   try {
     team = team_from_environment();
     listen_only(team);
+    check_command(app, argc, argv);
     app.parse(argc, argv);
     return use(parsed, team);
   } catch (const CLI::ParseError& error) {
