@@ -386,6 +386,22 @@ TEST_F(GltfFile, LightsAndCamerasShowTheScene) {
   EXPECT_EQ(again.instances.size(), scene.instances.size());
 }
 
+TEST_F(GltfFile, CamerasThatAreScaledToNothingAreLeftOut) {
+  for (const char* scale : {"1, 1, 0", "1, 0, 1"}) {
+    Parts parts;
+    parts.roots = "0, 1, 2";
+    parts.nodes = fmt::format(R"({{"mesh": 0}}, {{"scale": [{}], "camera": 0}},
+        {{"translation": [0, 1, 5], "scale": [3, 2, 1], "camera": 0}})",
+                              scale);
+    parts.more =
+        R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}])";
+    write_all(folder_.file("flat.gltf"), parts.text());
+    const Scene scene = load_scene(folder_.file("flat.gltf").string(), shader_table());
+    EXPECT_EQ(scene.camera.eye, vec3(0, 1, 5)) << scale;
+    EXPECT_EQ(scene.camera.up, vec3(0, 1, 0)) << scale;
+  }
+}
+
 TEST_F(GltfFile, PlacedBySceneFilesLikeAnyGeometry) {
   Parts parts;
   parts.roots = "0, 1";
@@ -421,6 +437,14 @@ TEST_F(GltfFile, MistakesAreNamed) {
   expect_error(with([](Parts& p) { p.nodes = R"({"mesh": 4})"; }), "mesh 4 of 1");
   expect_error(with([](Parts& p) { p.nodes = R"({"mesh": 0, "children": [0]})"; }),
                "has two parents or is its own");
+  expect_error(
+      with([](Parts& p) {
+        p.nodes = R"({"children": [1], "translation": [0, 9e8, 0]},
+                   {"camera": 0, "translation": [0, 9e8, 0]})";
+        p.more =
+            R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}])";
+      }),
+      "/nodes/1: lies too far away");
   expect_error(with([](Parts& p) { p.nodes = R"({"mesh": 0, "scale": [1e300, 1, 1]})"; }),
                "transform is not finite");
   expect_error(with([](Parts& p) {

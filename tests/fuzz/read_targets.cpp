@@ -17,6 +17,7 @@
 #include "core/scene/channel_map.h"
 #include "core/scene/io/gltf.h"
 #include "core/scene/io/hair_file.h"
+#include "core/scene/io/json_node.h"
 #include "core/scene/io/load_scene.h"
 #include "core/scene/io/obj.h"
 #include "core/scene/io/ply_file.h"
@@ -95,7 +96,11 @@ void read_gltf_file(const fs::path& path) {
   scene.shaders.assign(shader_table().begin(), shader_table().end());
   load_gltf(path, {}, scene);
   const std::string text = gltf_scene_text(path);
-  (void)text;
+  try {
+    const JsonDocument document(text, "the scene of a glTF");
+  } catch (const Error& error) {  // of our own making
+    throw std::logic_error(error.what());
+  }
 }
 
 void read_ply_file(const fs::path& path) {

@@ -70,6 +70,7 @@ tinygltf::Model parse_model(std::span<const std::byte> bytes, const std::filesys
                                        reinterpret_cast<const char*>(bytes.data()), size, folder);
   if (ok) return model;
   std::ranges::replace(error, '\n', ' ');
+  error.erase(error.find_last_not_of(". ") + 1);
   throw input_error(path.string(), "cannot be read: " + error,
                     "check the file and those beside it");
 }
@@ -510,6 +511,7 @@ class Reader {
                         fmt::format("the limit is {} nodes above each other", max_node_depth));
     }
     const dmat4 world = parent * local_matrix(node, place);
+    if (!is_coordinate(vec3(world[3]))) fail(place, "lies too far away");
     if (node.mesh >= 0) place_mesh(node.mesh, world, place);
     if (node.camera >= 0) read_camera(node.camera, world, place);
     if (const auto light = node.extensions.find("KHR_lights_punctual");
@@ -524,7 +526,6 @@ class Reader {
     at(model_.meshes, mesh, place, "mesh");
     if (content_.meshes[mesh].primitives.empty()) return;
     const GltfPlacement placement{mesh, mat4x3(glm::dmat4x3(world))};
-    if (!is_coordinate(placement.world_from_local[3])) fail(place, "lies too far away");
     if (!(uniform_scale(placement.world_from_local) > 1e-12f)) {
       collapsed_nodes.add();
       return;
@@ -539,10 +540,16 @@ class Reader {
     const tinygltf::Camera& source = at(model_.cameras, index, place, "camera");
     const double fov = source.perspective.yfov;
     if (source.type != "perspective" || !(fov > 0 && fov < 3.1)) return;
+    const vec3 back = normalize_or(vec3(world[2]), vec3(0));
+    const vec3 up = normalize_or(vec3(world[1]), vec3(0));
+    if (!(glm::length(glm::cross(back, up)) > 1e-5f)) {  // scaled to nothing in one of them
+      collapsed_nodes.add();
+      return;
+    }
     GltfCamera camera;
     camera.camera.eye = vec3(world[3]);
-    camera.camera.target = vec3(world[3] - glm::normalize(world[2]));
-    camera.camera.up = vec3(world[1]);
+    camera.camera.target = camera.camera.eye - back;
+    camera.camera.up = up;
     camera.camera.fov_y_deg = static_cast<float>(fov * 180 / 3.14159265358979323846);
     camera.aspect = clamped(source.perspective.aspectRatio, 0, 100);
     content_.cameras.push_back(camera);
