@@ -20,6 +20,7 @@
 #include "core/scene/io/json_node.h"
 #include "core/scene/io/load_scene.h"
 #include "core/scene/io/obj.h"
+#include "core/scene/io/pbrt.h"
 #include "core/scene/io/ply_file.h"
 #include "core/shade/shaders.h"
 #include "viewer/aovs/aov_reader.h"
@@ -91,16 +92,26 @@ void read_hair(const fs::path& path) {
   load_hair(path, {});
 }
 
+/// A scene's text of our own making.
+void expect_json(const std::string& text) {
+  try {
+    const JsonDocument document(text, "a scene of our own");
+  } catch (const Error& error) {
+    throw std::logic_error(error.what());
+  }
+}
+
 void read_gltf_file(const fs::path& path) {
   Scene scene;
   scene.shaders.assign(shader_table().begin(), shader_table().end());
   load_gltf(path, {}, scene);
-  const std::string text = gltf_scene_text(path);
-  try {
-    const JsonDocument document(text, "the scene of a glTF");
-  } catch (const Error& error) {  // of our own making
-    throw std::logic_error(error.what());
-  }
+  expect_json(gltf_scene_text(path));
+}
+
+void read_pbrt_file(const fs::path& path) {
+  const std::string text = pbrt_scene_text(path);
+  expect_json(text);
+  parse_scene(text, path, shader_table());
 }
 
 void read_ply_file(const fs::path& path) {
@@ -180,7 +191,7 @@ constexpr ReadTarget targets[] = {
     {"hair", ".hair", read_hair},
     {"gltf", ".gltf", read_gltf_file},
     {"glb", ".glb", read_gltf_file},
-    {"pbrt", ".pbrt", read_scene},
+    {"pbrt", ".pbrt", read_pbrt_file},
     {"ply", ".ply", read_ply_file},
     {"cache", ".relume", read_cache},
     {"exr", ".exr", read_picture},
