@@ -55,7 +55,9 @@ void check_spec(const std::filesystem::path& path, const OIIO::ImageSpec& spec) 
   const int limit = spec.deep ? max_deep_px : max_flat_px;
   for (const int size : {spec.width, spec.height, spec.full_width, spec.full_height}) {
     if (size >= 1 && size <= limit) continue;
-    throw limit_error(path.string(), fmt::format("{} x {} pixels", spec.width, spec.height),
+    throw limit_error(path.string(),
+                      fmt::format("{} x {} pixels in a frame of {} x {}", spec.width, spec.height,
+                                  spec.full_width, spec.full_height),
                       fmt::format("the limit is {0} x {0}", limit));
   }
   if (spec.nchannels < 1 || spec.nchannels > max_channels) {
@@ -112,6 +114,15 @@ int ExrRows::width() const {
 }
 int ExrRows::height() const {
   return file_->spec.full_height;
+}
+PixelRange ExrRows::data() const {
+  const auto clamped = [](int64_t at, int size) {
+    return static_cast<int>(std::clamp<int64_t>(at, 0, size));
+  };
+  const OIIO::ImageSpec& spec = file_->spec;
+  return {{clamped(file_->left(), width()), clamped(file_->top(), height())},
+          {clamped(file_->left() + spec.width, width()),
+           clamped(file_->top() + spec.height, height())}};
 }
 bool ExrRows::is_deep() const {
   return file_->spec.deep;

@@ -7,12 +7,20 @@
 #include <string>
 #include <vector>
 
+#include "core/math/vec.h"
+
 namespace relume {
 
 /// Rows of chosen channels.
 struct ExrRowValues {
   std::vector<uint32_t> counts;  ///< deep: samples of each pixel, row by row; flat: empty
   std::vector<float> values;     ///< pixel by pixel, sample by sample: one of each chosen channel
+};
+
+/// A rectangle of pixels, empty where a side of `high` is not above that of `low`.
+struct PixelRange {
+  ivec2 low{0};
+  ivec2 high{0};
 };
 
 /// An open EXR, flat or of deep scanlines, whose rows are read as they are needed, in any order.
@@ -28,6 +36,8 @@ class ExrRows {
 
   int width() const;  ///< pixels of the display window
   int height() const;
+  /// Pixels of the display window that the file holds: from `low` on, before `high`.
+  PixelRange data() const;
   bool is_deep() const;
   /// In file order.
   std::vector<std::string> channels() const;

@@ -97,9 +97,11 @@ void check_size(const ImageSource& source, const OIIO::ImageSpec& spec) {
   for (const int size : {spec.width, spec.height, spec.full_width, spec.full_height}) {
     if (size < 1) throw source.broken("the image has no pixels", "give another image");
     if (size > max_image_px) {
-      throw limit_error(source.place,
-                        fmt::format("{} x {} pixels is too large", spec.width, spec.height),
-                        fmt::format("the limit is {0} x {0}", max_image_px));
+      throw limit_error(
+          source.place,
+          fmt::format("{} x {} pixels is too large", std::max(spec.width, spec.full_width),
+                      std::max(spec.height, spec.full_height)),
+          fmt::format("the limit is {0} x {0}", max_image_px));
     }
   }
   if (spec.nchannels < 1 || spec.nchannels > max_image_channels) {

@@ -117,6 +117,17 @@ AovSamples::AovSamples(const std::filesystem::path& path, const ChannelMap& map,
   check(path, CameraRays(camera_, width_, height_));
 }
 
+void AovSamples::set_size(const std::filesystem::path& path, const ExrRows& file) {
+  width_ = file.width() / side_;
+  height_ = file.height() / side_;
+  if (std::max(width_, height_) > max_image_side) {
+    throw limit_error(path.string(), fmt::format("{} x {} pixels", width_, height_),
+                      fmt::format("the limit is {0} x {0}", max_image_side));
+  }
+  const PixelRange sub_pixels = file.data();
+  data_ = {sub_pixels.low / side_, (sub_pixels.high + (side_ - 1)) / side_};
+}
+
 void AovSamples::open_flat(const std::filesystem::path& path, ExrRows file, const ChannelMap& map,
                            uint64_t kept_bytes) {
   if (file.width() % side_ != 0 || file.height() % side_ != 0) {
@@ -125,8 +136,7 @@ void AovSamples::open_flat(const std::filesystem::path& path, ExrRows file, cons
                                   file.height(), side_, side_),
                       "give --samples, the sub-pixels of a pixel's side");
   }
-  width_ = file.width() / side_;
-  height_ = file.height() / side_;
+  set_size(path, file);
   spp_ = side_ * side_;
   resolve(path.string(), file.channels(), map);
   file.choose(channels_);
@@ -148,8 +158,7 @@ void AovSamples::open_deep(const std::filesystem::path& path, ExrRows file, cons
   // The weight is the last of each sample's values.
   channels_.push_back(weight.front());
   side_ = 1;
-  width_ = file.width();
-  height_ = file.height();
+  set_size(path, file);
   file.choose(channels_);
   strips_ = std::make_unique<AovStrips>(
       path, std::move(file), side_, channels_.size(),
@@ -157,6 +166,7 @@ void AovSamples::open_deep(const std::filesystem::path& path, ExrRows file, cons
 }
 
 void AovSamples::visit_pixel(const AovStrip& strip, int x, int y, const VisitSample& visit) const {
+  if (x < data_.low.x || x >= data_.high.x || y < data_.low.y || y >= data_.high.y) return;
   const int row = y - strip.y0;
   if (!strip.first.empty()) {
     const size_t pixel = static_cast<size_t>(row) * width_ + x;
@@ -177,10 +187,10 @@ void AovSamples::visit_pixel(const AovStrip& strip, int x, int y, const VisitSam
 }
 
 void AovSamples::visit_samples(const VisitSample& visit) const {
-  for (int index = 0; index < strips_->count(); ++index) {
-    const auto strip = strips_->strip(index);
-    for (int y = strip->y0; y < strip->y0 + strip->height; ++y) {
-      for (int x = 0; x < width_; ++x) visit_pixel(*strip, x, y, visit);
+  for (int y = data_.low.y; y < data_.high.y;) {
+    const auto strip = strips_->strip(y / tile_size);
+    for (; y < std::min(strip->y0 + strip->height, data_.high.y); ++y) {
+      for (int x = data_.low.x; x < data_.high.x; ++x) visit_pixel(*strip, x, y, visit);
     }
   }
 }

@@ -81,6 +81,7 @@ class AovSamples {
                  uint64_t kept_bytes);
   void open_deep(const std::filesystem::path& path, ExrRows file, const ChannelMap& map,
                  uint64_t kept_bytes);
+  void set_size(const std::filesystem::path& path, const ExrRows& file);
   void visit_pixel(const AovStrip& strip, int x, int y, const VisitSample& visit) const;
   void visit_samples(const VisitSample& visit) const;
   void resolve(const std::string& place, const std::vector<std::string>& names,
@@ -98,6 +99,7 @@ class AovSamples {
   int side_ = 1;  ///< sub-pixels of a pixel's side
   int width_ = 0;
   int height_ = 0;
+  PixelRange data_;    ///< pixels that may hold samples
   int coverage_ = -1;  ///< index of the channel, or -1
   int id_ = -1;
   std::vector<std::string> channels_;  ///< that are read

@@ -27,10 +27,6 @@ AovStrips::AovStrips(std::filesystem::path path, ExrRows file, int side, size_t 
       weighing_(weighing),
       kept_bytes_(kept_bytes) {}
 
-int AovStrips::count() const {
-  return (file_.height() / side_ + tile_size - 1) / tile_size;
-}
-
 std::shared_ptr<const AovStrip> AovStrips::strip(int index) {
   const std::scoped_lock lock(mutex_);
   const auto found = std::find_if(kept_.begin(), kept_.end(),

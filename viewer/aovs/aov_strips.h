@@ -34,7 +34,6 @@ class AovStrips {
   AovStrips(std::filesystem::path path, ExrRows file, int side, size_t channels, Weighing weighing,
             uint64_t kept_bytes);
 
-  int count() const;
   /// The most samples of a pixel in the strips that were read so far; 0 of flat images.
   uint32_t most_samples() const { return most_samples_; }
   /// Strip `index`. Throws as ExrRows::read does, and for deep images Error(input) where a pixel's
