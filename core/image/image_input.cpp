@@ -9,6 +9,7 @@
 #include "core/base/mapped_file.h"
 #include "core/image/decoder_process.h"
 #include "core/image/exr_header.h"
+#include "core/image/jpeg_segments.h"
 #include "core/image/scanlines.h"
 
 namespace relume {
@@ -46,7 +47,7 @@ Format find_format(const ImageSource& source, std::span<const std::byte> bytes) 
   using namespace std::string_view_literals;
   if (starts_with(bytes, "\x76\x2f\x31\x01")) return {"openexr", true};
   if (starts_with(bytes, png_signature)) return {"png", true};
-  if (starts_with(bytes, "\xff\xd8\xff")) return {"jpeg", true};
+  if (starts_with(bytes, jpeg_signature)) return {"jpeg", true};
   for (const std::string_view signature : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
     if (starts_with(bytes, signature)) return {"tiff"};
   }
@@ -149,9 +150,14 @@ class DirectInput : public ImageInput {
   DirectInput(const ImageSource& source, std::string_view format) : source_(source) {
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
-    if (!source.bytes.empty()) {
-      memory_ =
-          std::make_unique<OIIO::Filesystem::IOMemReader>(source.bytes.data(), source.bytes.size());
+    std::span<const std::byte> bytes = source.bytes;
+    if (format == "jpeg") {
+      jpeg_ = bytes.empty() ? jpeg_without_metadata(MappedFile(source.path).bytes())
+                            : jpeg_without_metadata(bytes);
+      bytes = jpeg_;
+    }
+    if (!bytes.empty()) {
+      memory_ = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes.data(), bytes.size());
       OIIO::Filesystem::IOProxy* proxy = memory_.get();
       config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
     }
@@ -227,6 +233,7 @@ class DirectInput : public ImageInput {
   }
 
   ImageSource source_;
+  std::vector<std::byte> jpeg_;  ///< of which `memory_` reads
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;
   std::unique_ptr<OIIO::ImageInput> input_;
   OIIO::ImageSpec library_spec_;
