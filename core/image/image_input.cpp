@@ -94,17 +94,17 @@ Format check_source(const ImageSource& source) {
   return check_bytes(source, MappedFile(source.path).bytes());
 }
 
-void check_size(const ImageSource& source, const OIIO::ImageSpec& spec) {
-  for (const int size : {spec.width, spec.height, spec.full_width, spec.full_height}) {
-    if (size < 1) throw source.broken("the image has no pixels", "give another image");
-    if (size > max_image_px) {
-      throw limit_error(
-          source.place,
-          fmt::format("{} x {} pixels is too large", std::max(spec.width, spec.full_width),
-                      std::max(spec.height, spec.full_height)),
-          fmt::format("the limit is {0} x {0}", max_image_px));
-    }
+void check_size(const ImageSource& source, int width, int height) {
+  if (width < 1 || height < 1) throw source.broken("the image has no pixels", "give another image");
+  if (std::max(width, height) > max_image_px) {
+    throw limit_error(source.place, fmt::format("{} x {} pixels is too large", width, height),
+                      fmt::format("the limit is {0} x {0}", max_image_px));
   }
+}
+
+void check_spec(const ImageSource& source, const OIIO::ImageSpec& spec) {
+  check_size(source, spec.width, spec.height);
+  check_size(source, spec.full_width, spec.full_height);
   if (spec.nchannels < 1 || spec.nchannels > max_image_channels) {
     throw limit_error(source.place, fmt::format("{} channels", spec.nchannels),
                       fmt::format("the limit is {}", max_image_channels));
@@ -154,7 +154,11 @@ class DirectInput : public ImageInput {
     if (format == "jpeg") {
       jpeg_ = bytes.empty() ? jpeg_without_metadata(MappedFile(source.path).bytes())
                             : jpeg_without_metadata(bytes);
-      bytes = jpeg_;
+      // libjpeg takes memory for all of the picture when it is opened.
+      check_size(source, jpeg_.width, jpeg_.height);
+      check_ratio(uint64_t{1} * jpeg_.width * jpeg_.height * jpeg_.channels, jpeg_.width,
+                  jpeg_.height);
+      bytes = jpeg_.bytes;
     }
     if (!bytes.empty()) {
       memory_ = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes.data(), bytes.size());
@@ -166,9 +170,11 @@ class DirectInput : public ImageInput {
     if (!input_->open(source.path.string(), library_spec_, config)) {
       throw source.unreadable(input_->geterror());
     }
-    check_size(source, library_spec_);
+    check_spec(source, library_spec_);
     spec_ = own_spec(library_spec_);
-    if (format != "openexr") check_ratio();  // whose tables were walked
+    if (format != "openexr") {  // whose tables were walked
+      check_ratio(library_spec_.image_bytes(true), spec_.width, spec_.height);
+    }
   }
 
   void read_rows(const std::function<void(int y, const float* values)>& row) override {
@@ -179,14 +185,14 @@ class DirectInput : public ImageInput {
   }
 
  private:
-  void check_ratio() const {
+  void check_ratio(uint64_t image_bytes, int width, int height) const {
     std::error_code code;
     const uint64_t file_bytes = source_.bytes.empty()
                                     ? std::filesystem::file_size(source_.path, code)
                                     : source_.bytes.size();
-    if (library_spec_.image_bytes(true) / most_bytes_a_byte > file_bytes) {
-      throw source_.unreadable(fmt::format("{} bytes are too few for {} x {} pixels", file_bytes,
-                                           spec_.width, spec_.height));
+    if (image_bytes / most_bytes_a_byte > file_bytes) {
+      throw source_.unreadable(
+          fmt::format("{} bytes are too few for {} x {} pixels", file_bytes, width, height));
     }
   }
 
@@ -233,7 +239,7 @@ class DirectInput : public ImageInput {
   }
 
   ImageSource source_;
-  std::vector<std::byte> jpeg_;  ///< of which `memory_` reads
+  JpegPicture jpeg_;  ///< of which `memory_` reads
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory_;
   std::unique_ptr<OIIO::ImageInput> input_;
   OIIO::ImageSpec library_spec_;

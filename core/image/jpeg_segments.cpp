@@ -8,6 +8,10 @@ namespace {
 constexpr std::byte mark{0xff};
 
 // The byte after the mark.
+constexpr int first_frame = 0xc0;
+constexpr int last_frame = 0xcf;
+constexpr int huffman_tables = 0xc4;
+constexpr int arithmetic_conditions = 0xcc;
 constexpr int first_restart = 0xd0;
 constexpr int end_of_image = 0xd9;
 constexpr int start_of_scan = 0xda;
@@ -24,6 +28,24 @@ bool is_picture(int marker) {
   return !(marker > application && marker < application + 16) && marker != comment;
 }
 
+bool is_frame(int marker) {
+  return marker >= first_frame && marker <= last_frame && marker != huffman_tables &&
+         marker != arithmetic_conditions;
+}
+
+/// Of two bytes, the higher one first.
+int number(std::span<const std::byte> bytes, size_t at) {
+  return std::to_integer<int>(bytes[at]) << 8 | std::to_integer<int>(bytes[at + 1]);
+}
+
+/// From a frame's header: its length, the precision, height, width and channels.
+void note_size(std::span<const std::byte> header, JpegPicture& picture) {
+  if (header.size() < 8) return;
+  picture.height = std::max(picture.height, number(header, 3));
+  picture.width = std::max(picture.width, number(header, 5));
+  picture.channels = std::max(picture.channels, std::to_integer<int>(header[7]));
+}
+
 /// The next marker at or after `at`, which then lies behind it; 0 at the file's end.
 int next_marker(std::span<const std::byte> file, size_t& at) {
   while (true) {
@@ -36,8 +58,9 @@ int next_marker(std::span<const std::byte> file, size_t& at) {
 
 }  // namespace
 
-std::vector<std::byte> jpeg_without_metadata(std::span<const std::byte> file) {
-  std::vector<std::byte> out;
+JpegPicture jpeg_without_metadata(std::span<const std::byte> file) {
+  JpegPicture picture;
+  std::vector<std::byte>& out = picture.bytes;
   out.reserve(file.size());
   const auto append = [&](size_t begin, size_t end) {
     out.insert(out.end(), file.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -56,15 +79,15 @@ std::vector<std::byte> jpeg_without_metadata(std::span<const std::byte> file) {
       continue;
     }
     if (file.size() - at < 2) break;
-    const size_t length =
-        std::to_integer<size_t>(file[at]) << 8 | std::to_integer<size_t>(file[at + 1]);
+    const auto length = static_cast<size_t>(number(file, at));
     if (length < 2 || length > file.size() - at) break;
     at += length;
     if (!is_picture(marker)) continue;
     out.insert(out.end(), {mark, static_cast<std::byte>(marker)});
     append(body, at);
+    if (is_frame(marker)) note_size(file.subspan(body, length), picture);
   }
-  return out;
+  return picture;
 }
 
 }  // namespace relume

@@ -5,6 +5,7 @@
 
 #include "core/image/image_io.h"
 #include "core/image/jpeg_segments.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relume::test {
@@ -13,7 +14,7 @@ namespace {
 using namespace std::string_literals;
 
 std::string without_metadata(const std::string& file) {
-  const auto out = jpeg_without_metadata(std::as_bytes(std::span(file)));
+  const auto out = jpeg_without_metadata(std::as_bytes(std::span(file))).bytes;
   return {reinterpret_cast<const char*>(out.data()), out.size()};
 }
 
@@ -61,6 +62,19 @@ TEST(JpegSegments, OneThatIsCutShortIsTheEnd) {
   }
   EXPECT_EQ(without_metadata(start + "\xff\xe1\0\1"s + scan), start);
   EXPECT_EQ(without_metadata(""), "");
+}
+
+TEST(JpegSegments, SizesAreRefusedBeforeALibraryTakesMemoryForThem) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("large.jpg");
+  const auto write = [&](const std::string& size) {
+    const std::string header = "\x08" + size + "\3" + std::string(9, '\1');
+    write_all(path, start + tables + segment('\xc2', header) + scan);
+  };
+  write("\x30\x00\xdd\x10"s);
+  EXPECT_ERROR(read_image(path), ErrorKind::limit, "56592 x 12288 pixels is too large");
+  write("\x40\x00\x40\x00"s);
+  EXPECT_ERROR(read_image(path), ErrorKind::input, "too few for 16384 x 16384 pixels");
 }
 
 TEST(JpegSegments, MetadataDoNotChangeThePicture) {
