@@ -544,7 +544,7 @@ int run_command_line(int argc, const char* const* argv) {
 
 std::string check_command_line(int argc, const char* const* argv) {
   static CommandLine line;  // takes milliseconds to make
-  line.parsed = {};  // nothing of the command lines before
+  line.parsed = {};         // nothing of the command lines before
   std::ostringstream out;
   std::ostringstream errors;
   const int code = parse_command_line(line, argc, argv, out, errors,
