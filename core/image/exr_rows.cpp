@@ -115,7 +115,7 @@ int ExrRows::width() const {
 int ExrRows::height() const {
   return file_->spec.full_height;
 }
-PixelRange ExrRows::data() const {
+PixelRange ExrRows::data_window() const {
   const auto clamped = [](int64_t at, int size) {
     return static_cast<int>(std::clamp<int64_t>(at, 0, size));
   };

@@ -37,7 +37,7 @@ class ExrRows {
   int width() const;  ///< pixels of the display window
   int height() const;
   /// Pixels of the display window that the file holds: from `low` on, before `high`.
-  PixelRange data() const;
+  PixelRange data_window() const;
   bool is_deep() const;
   /// In file order.
   std::vector<std::string> channels() const;

@@ -12,6 +12,12 @@ struct Camera {
   float fov_y_deg = 35;  ///< full vertical angle, (0, 179)
 };
 
+/// The target of a camera at `eye` (world) that looks along unit `forward`: so far ahead that
+/// floats tell the direction.
+inline vec3 target_ahead(vec3 eye, vec3 forward) {
+  return eye + forward * std::max(1.0f, 1e-3f * max_abs_component(eye));
+}
+
 /// Generates rays for an image of width x height pixels. Pixel (0,0) is the top left one; `film` is
 /// in pixels, so the centre of pixel (x, y) is (x + .5, y + .5).
 class CameraRays {

@@ -1,13 +1,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <numeric>
 
 #include "core/image/deep_io.h"
 #include "core/image/exr_rows.h"
 #include "core/image/image_io.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/oiiotool.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relume::test {
@@ -51,12 +51,9 @@ class FlatRows : public testing::Test {
   /// The file changed by oiiotool; empty where there is none.
   std::filesystem::path changed(const std::string& options) const {
     const std::filesystem::path out = folder_.file("changed.exr");
-    const std::string command =
-        fmt::format("oiiotool {} {} -o {}", file_.string(), options, out.string());
-    return std::system(command.c_str()) == 0 ? out : std::filesystem::path();
+    const bool ok = run_oiiotool(fmt::format("{} {} -o {}", file_.string(), options, out.string()));
+    return ok ? out : std::filesystem::path();
   }
-
-  static bool has_oiiotool() { return std::system("command -v oiiotool >/dev/null") == 0; }
 
   TemporaryFolder folder_;
   std::filesystem::path file_ = folder_.file("flat.exr");

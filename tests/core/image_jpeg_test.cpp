@@ -1,11 +1,9 @@
-#include <fmt/format.h>
 #include <gtest/gtest.h>
-
-#include <cstdlib>
 
 #include "core/image/image_io.h"
 #include "core/image/jpeg_segments.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/oiiotool.h"
 #include "tests/support/temporary_folder.h"
 
 namespace relume::test {
@@ -78,13 +76,10 @@ TEST(JpegSegments, SizesAreRefusedBeforeALibraryTakesMemoryForThem) {
 }
 
 TEST(JpegSegments, MetadataDoNotChangeThePicture) {
-  if (std::system("command -v oiiotool >/dev/null") != 0) GTEST_SKIP() << "no oiiotool";
+  if (!has_oiiotool()) GTEST_SKIP() << "no oiiotool";
   const TemporaryFolder folder;
   const auto path = folder.file("noise.jpg");
-  ASSERT_EQ(
-      std::system(fmt::format("oiiotool --pattern noise:type=uniform 37x21 3 -o {}", path.string())
-                      .c_str()),
-      0);
+  ASSERT_TRUE(run_oiiotool("--pattern noise:type=uniform 37x21 3 -o " + path.string()));
   const Image image = read_image(path);
   std::string file = read_all(path);
   ASSERT_EQ(file.substr(0, 2), start);

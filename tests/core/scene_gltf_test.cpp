@@ -402,6 +402,22 @@ TEST_F(GltfFile, CamerasThatAreScaledToNothingAreLeftOut) {
   }
 }
 
+TEST_F(GltfFile, FarCamerasLookWhereTheyPoint) {
+  Parts parts;
+  parts.roots = "0, 1, 2";
+  // A group far away, from which its child comes back.
+  parts.nodes = R"({"mesh": 0},
+      {"translation": [3e5, 0, 3e5], "rotation": [0, 0.3826834, 0, 0.9238795], "camera": 0},
+      {"children": [3], "translation": [9e8, 0, 0]}, {"children": [4], "translation": [9e8, 0, 0]},
+      {"children": [5], "translation": [-9e8, 0, 0]}, {"mesh": 0, "translation": [-9e8, 0, 0]})";
+  parts.more =
+      R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}])";
+  write_all(folder_.file("far.gltf"), parts.text());
+  const Camera camera = load_scene(folder_.file("far.gltf").string(), shader_table()).camera;
+  const vec3 forward = glm::normalize(camera.target - camera.eye);
+  EXPECT_LT(glm::distance(forward, glm::normalize(vec3(-1, 0, -1))), 1e-4f);
+}
+
 TEST_F(GltfFile, PlacedBySceneFilesLikeAnyGeometry) {
   Parts parts;
   parts.roots = "0, 1";
@@ -492,6 +508,18 @@ TEST_F(GltfFile, MistakesAreNamed) {
 }
 
 /// Each cut of a file, and each byte of it changed, is read or refused with an Error.
+TEST_F(GltfFile, TellsWhichLengthOfAGlbIsWrong) {
+  const std::string whole = make_glb(Parts().text(), quad_bytes());
+  write_all(folder_.file("a.glb"), whole.substr(0, whole.size() - 1));
+  EXPECT_ERROR(read_gltf(folder_.file("a.glb")), ErrorKind::input,
+               fmt::format("says it has {} bytes, and has {}", whole.size(), whole.size() - 1));
+  std::string damaged = whole;
+  damaged.replace(12, 4, "\xff\xff\xff\x7f");
+  write_all(folder_.file("a.glb"), damaged);
+  EXPECT_ERROR(read_gltf(folder_.file("a.glb")), ErrorKind::input,
+               "says its JSON has 2147483647 bytes");
+}
+
 TEST_F(GltfFile, NoDamageGetsThrough) {
   Parts parts;
   parts.buffer = R"("byteLength": 140)";

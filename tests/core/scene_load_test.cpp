@@ -77,6 +77,12 @@ TEST(LoadScene, SaysThatGeometryAloneIsNoScene) {
   }
 }
 
+TEST(LoadScene, SaysThatAnImageIsNoScene) {
+  const test::TemporaryFolder folder;
+  test::write_all(folder.file("a.png"), "\x89PNG");
+  EXPECT_ERROR(load(folder.file("a.png").string()), ErrorKind::input, "is an image, no scene");
+}
+
 TEST(LoadScene, ResolvesPathsAgainstTheScenesFolder) {
   const test::TemporaryFolder folder;
   test::write_all(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

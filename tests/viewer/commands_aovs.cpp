@@ -9,6 +9,7 @@
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/oiiotool.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/aovs/aov_reader.h"
@@ -175,11 +176,10 @@ TEST_F(Aovs, AnImageOfTheSamplesTilesHoldsThem) {
 }
 
 TEST_F(Aovs, AreSoughtWhereTheFileHoldsPixels) {
-  if (std::system("command -v oiiotool >/dev/null") != 0) GTEST_SKIP() << "no oiiotool";
+  if (!has_oiiotool()) GTEST_SKIP() << "no oiiotool";
   const auto change = [&](const std::string& options) {
     const std::string out = folder_.file("changed.exr").string();
-    const std::string command = fmt::format("oiiotool {} {} -o {}", file_.string(), options, out);
-    ASSERT_EQ(std::system(command.c_str()), 0);
+    ASSERT_TRUE(run_oiiotool(fmt::format("{} {} -o {}", file_.string(), options, out)));
     std::filesystem::rename(out, file_);
   };
   const auto is_inside = [](int x, int y) { return x >= 7 && x < 27 && y >= 4 && y < 20; };

@@ -12,6 +12,7 @@
 #include "core/scene/io/load_scene.h"
 #include "core/shade/shaders.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/oiiotool.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/aovs/aov_reader.h"
 #include "viewer/commands/commands.h"
@@ -115,17 +116,14 @@ void expect_close(const Image& found, const Image& expected) {
 }
 
 TEST_P(Deep, AFlattenOfAnotherProgramGivesTheFrame) {
-  if (std::system("command -v oiiotool >/dev/null") != 0) GTEST_SKIP() << "no oiiotool";
+  if (!has_oiiotool()) GTEST_SKIP() << "no oiiotool";
   for (const ReductionMethod method : {ReductionMethod::strong_kmeans, ReductionMethod::all}) {
     PrepareOptions prepare = small();
     prepare.method = method;
     convert(GetParam(), prepare);
     render(GetParam(), prepare, folder_.file("frame.exr"));
     const std::filesystem::path flat = folder_.file("flat.exr");
-    ASSERT_EQ(
-        std::system(
-            fmt::format("oiiotool {} --flatten -o {}", deep_.string(), flat.string()).c_str()),
-        0);
+    ASSERT_TRUE(run_oiiotool(fmt::format("{} --flatten -o {}", deep_.string(), flat.string())));
     expect_close(read_image(flat), read_image(folder_.file("frame.exr")));
     const Image alpha = read_exr_channel(flat, "A");
     const Image coverage = read_exr_channel(folder_.file("frame.exr"), "A");

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/image/image_io.h"
+#include "tests/support/oiiotool.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/viewer/lamp_scene.h"
 #include "viewer/commands/commands.h"
@@ -91,7 +92,7 @@ TEST_F(EmissionFrame, IsInTheReference) {
 }
 
 TEST_F(EmissionFrame, IsInWhatADeepImageFlattensTo) {
-  if (std::system("command -v oiiotool >/dev/null") != 0) GTEST_SKIP() << "no oiiotool";
+  if (!has_oiiotool()) GTEST_SKIP() << "no oiiotool";
   silently([&] { return run_render(render_, quiet); });
   const std::string deep = folder_.file("deep.exr").string();
   const std::string flat = folder_.file("flat.exr").string();
@@ -103,7 +104,7 @@ TEST_F(EmissionFrame, IsInWhatADeepImageFlattensTo) {
                         .prepare = render_.prepare},
                        quiet);
   });
-  ASSERT_EQ(std::system(fmt::format("oiiotool {} --flatten -o {}", deep, flat).c_str()), 0);
+  ASSERT_TRUE(run_oiiotool(fmt::format("{} --flatten -o {}", deep, flat)));
   const Image frame = layer("");
   const Image found = read_image(flat);
   ASSERT_EQ(found.pixels.size(), frame.pixels.size());

@@ -115,8 +115,9 @@ INSTANTIATE_TEST_SUITE_P(Shadows, RelitOnThreads,
                          });
 
 /// Moves the lights, cancels the frame from another thread at random moments, and finishes another
-/// one: it must be what a source without a history gives.
-void drag_and_cancel(const std::filesystem::path& cache, ShadowMethod shadows, uint64_t seed) {
+/// one: it must be what a source without a history gives. Counts in `finished` when all was so.
+void drag_and_cancel(const std::filesystem::path& cache, ShadowMethod shadows, uint64_t seed,
+                     std::atomic<int>& finished) {
   const auto make_source = [&] {
     return make_cache_source(RelightCache::open(cache, shader_table()), &hair_tracer());
   };
@@ -152,6 +153,7 @@ void drag_and_cancel(const std::filesystem::path& cache, ShadowMethod shadows, u
     make_source()->render(request, never, fresh);
     ASSERT_TRUE(frame.image.pixels == fresh.image.pixels) << "seed " << seed << ", move " << i;
   }
+  ++finished;
 }
 
 class Cancelled : public testing::TestWithParam<ShadowMethod> {};
@@ -160,11 +162,13 @@ TEST_P(Cancelled, AtAnyMomentUnderLoadNothingIsWrongAfterwards) {
   const test::TemporaryFolder folder;
   const auto cache = folder.file("a.relume");
   prepare_to_file(hair(), hair_tracer(), small_params(ReductionMethod::kmeans), cache, {});
+  std::atomic<int> finished{0};
   std::vector<std::thread> people;
   for (uint64_t seed = 1; seed <= 3; ++seed) {
-    people.emplace_back([&, seed] { drag_and_cancel(cache, GetParam(), seed); });
+    people.emplace_back([&, seed] { drag_and_cancel(cache, GetParam(), seed, finished); });
   }
   for (std::thread& person : people) person.join();
+  EXPECT_EQ(finished, 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shadows, Cancelled,

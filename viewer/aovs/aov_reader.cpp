@@ -124,8 +124,8 @@ void AovSamples::set_size(const std::filesystem::path& path, const ExrRows& file
     throw limit_error(path.string(), fmt::format("{} x {} pixels", width_, height_),
                       fmt::format("the limit is {0} x {0}", max_image_side));
   }
-  const PixelRange sub_pixels = file.data();
-  data_ = {sub_pixels.low / side_, (sub_pixels.high + (side_ - 1)) / side_};
+  const PixelRange sub_pixels = file.data_window();
+  data_window_ = {sub_pixels.low / side_, (sub_pixels.high + (side_ - 1)) / side_};
 }
 
 void AovSamples::open_flat(const std::filesystem::path& path, ExrRows file, const ChannelMap& map,
@@ -166,7 +166,9 @@ void AovSamples::open_deep(const std::filesystem::path& path, ExrRows file, cons
 }
 
 void AovSamples::visit_pixel(const AovStrip& strip, int x, int y, const VisitSample& visit) const {
-  if (x < data_.low.x || x >= data_.high.x || y < data_.low.y || y >= data_.high.y) return;
+  if (x < data_window_.low.x || x >= data_window_.high.x || y < data_window_.low.y ||
+      y >= data_window_.high.y)
+    return;
   const int row = y - strip.y0;
   if (!strip.first.empty()) {
     const size_t pixel = static_cast<size_t>(row) * width_ + x;
@@ -187,10 +189,11 @@ void AovSamples::visit_pixel(const AovStrip& strip, int x, int y, const VisitSam
 }
 
 void AovSamples::visit_samples(const VisitSample& visit) const {
-  for (int y = data_.low.y; y < data_.high.y;) {
+  for (int y = data_window_.low.y; y < data_window_.high.y;) {
     const auto strip = strips_->strip(y / tile_size);
-    for (; y < std::min(strip->y0 + strip->height, data_.high.y); ++y) {
-      for (int x = data_.low.x; x < data_.high.x; ++x) visit_pixel(*strip, x, y, visit);
+    for (; y < std::min(strip->y0 + strip->height, data_window_.high.y); ++y) {
+      for (int x = data_window_.low.x; x < data_window_.high.x; ++x)
+        visit_pixel(*strip, x, y, visit);
     }
   }
 }

@@ -99,8 +99,8 @@ class AovSamples {
   int side_ = 1;  ///< sub-pixels of a pixel's side
   int width_ = 0;
   int height_ = 0;
-  PixelRange data_;    ///< pixels that may hold samples
-  int coverage_ = -1;  ///< index of the channel, or -1
+  PixelRange data_window_;  ///< pixels that may hold samples
+  int coverage_ = -1;       ///< index of the channel, or -1
   int id_ = -1;
   std::vector<std::string> channels_;  ///< that are read
   std::vector<Type> types_;

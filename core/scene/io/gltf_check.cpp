@@ -33,11 +33,16 @@ std::string_view json_text(std::span<const std::byte> bytes, const std::string& 
   if (bytes.size() < 20 || read_word(bytes, 4) != 2 || read_word(bytes, 16) != json_chunk) {
     throw input_error(file, "is not a version 2 GLB that starts with JSON", "export it again");
   }
+  const std::string mend = "the file is cut short or damaged: copy it again";
+  if (const uint32_t said = read_word(bytes, 8); said != bytes.size()) {
+    throw input_error(file, fmt::format("says it has {} bytes, and has {}", said, bytes.size()),
+                      mend);
+  }
   const uint64_t length = read_word(bytes, 12);
-  if (read_word(bytes, 8) != bytes.size() || length > bytes.size() - 20) {
+  if (length > bytes.size() - 20) {
     throw input_error(
-        file, fmt::format("says it has {} bytes, and has {}", read_word(bytes, 8), bytes.size()),
-        "the file is cut short or damaged: copy it again");
+        file, fmt::format("says its JSON has {} bytes, and has {} in all", length, bytes.size()),
+        mend);
   }
   return {text + 20, length};
 }

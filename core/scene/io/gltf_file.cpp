@@ -511,12 +511,14 @@ class Reader {
                         fmt::format("the limit is {} nodes above each other", max_node_depth));
     }
     const dmat4 world = parent * local_matrix(node, place);
-    if (!is_coordinate(vec3(world[3]))) fail(place, "lies too far away");
+    const auto light = node.extensions.find("KHR_lights_punctual");
+    const bool has_light = light != node.extensions.end() && light->second.Has("light") &&
+                           light->second.Get("light").IsInt();
+    const bool shows_something = node.mesh >= 0 || node.camera >= 0 || has_light;
+    if (shows_something && !is_coordinate(vec3(world[3]))) fail(place, "lies too far away");
     if (node.mesh >= 0) place_mesh(node.mesh, world, place);
     if (node.camera >= 0) read_camera(node.camera, world, place);
-    if (const auto light = node.extensions.find("KHR_lights_punctual");
-        light != node.extensions.end() && light->second.Has("light") &&
-        light->second.Get("light").IsInt()) {
+    if (has_light) {
       read_light(light->second.Get("light").GetNumberAsInt(), node, world, place);
     }
     for (const int child : node.children) read_node(child, world, depth + 1);
@@ -548,7 +550,7 @@ class Reader {
     }
     GltfCamera camera;
     camera.camera.eye = vec3(world[3]);
-    camera.camera.target = camera.camera.eye - back;
+    camera.camera.target = target_ahead(camera.camera.eye, -back);
     camera.camera.up = up;
     camera.camera.fov_y_deg = static_cast<float>(fov * 180 / 3.14159265358979323846);
     camera.aspect = clamped(source.perspective.aspectRatio, 0, 100);

@@ -19,15 +19,11 @@ constexpr std::string_view own_lights = R"([
     {"name": "rim", "position": {"relative": [-2.5, 1.5, -2]}, "gain_relative": 20}
   ])";
 
-std::string format_vector(vec3 v) {
-  return fmt::format("[{}, {}, {}]", json_number(v.x), json_number(v.y), json_number(v.z));
-}
-
 std::string camera_text(const std::optional<Camera>& camera) {
   if (!camera) return std::string(fitted_camera);
   return fmt::format(R"({{"eye": {}, "target": {}, "up": {}, "fov_y_deg": {}}})",
-                     format_vector(camera->eye), format_vector(camera->target),
-                     format_vector(camera->up), json_number(camera->fov_y_deg));
+                     json_vector(camera->eye), json_vector(camera->target), json_vector(camera->up),
+                     json_number(camera->fov_y_deg));
 }
 
 std::string light_list(const std::vector<Light>& lights) {

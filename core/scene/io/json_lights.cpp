@@ -65,21 +65,17 @@ Light read_light(const JsonNode& node, const std::optional<SceneFrame>& frame) {
   return light;
 }
 
-std::string format_vector(vec3 v) {
-  return fmt::format("[{}, {}, {}]", json_number(v.x), json_number(v.y), json_number(v.z));
-}
-
 std::string format_light(const Light& light) {
   std::string out = fmt::format("    {{\"name\": {}, \"type\": \"{}\",", json_quoted(light.name),
                                 label_of(light_type_labels, light.type));
-  out += fmt::format(" \"position\": {}, \"direction\": {},", format_vector(light.position),
-                     format_vector(light.direction));
+  out += fmt::format(" \"position\": {}, \"direction\": {},", json_vector(light.position),
+                     json_vector(light.direction));
   out += fmt::format(" \"inner_angle_deg\": {}, \"outer_angle_deg\": {}, \"falloff\": {},",
                      json_number(light.inner_angle_deg), json_number(light.outer_angle_deg),
                      light.falloff);
   if (light.range > 0) out += fmt::format(" \"range\": {},", json_number(light.range));
   out += fmt::format(" \"color\": {}, \"gain\": {}, \"mute\": {}, \"casts_shadow\": {}}}",
-                     format_vector(light.color), json_number(light.gain), light.mute,
+                     json_vector(light.color), json_number(light.gain), light.mute,
                      light.casts_shadow);
   return out;
 }

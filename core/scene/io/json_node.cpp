@@ -303,4 +303,8 @@ std::string json_number(float value) {
   return value == 0 && std::signbit(value) ? "-0.0" : fmt::format("{}", value);
 }
 
+std::string json_vector(vec3 v) {
+  return fmt::format("[{}, {}, {}]", json_number(v.x), json_number(v.y), json_number(v.z));
+}
+
 }  // namespace relume

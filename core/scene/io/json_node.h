@@ -101,6 +101,9 @@ std::string json_quoted(const std::string& text);
 /// The shortest JSON number that reads back as the same float.
 std::string json_number(float value);
 
+/// `v` as a JSON list of three numbers.
+std::string json_vector(vec3 v);
+
 template <class E, size_t N>
 E JsonNode::label(const std::array<Label<E>, N>& table) const {
   const std::string name = text(256);

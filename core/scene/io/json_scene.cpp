@@ -183,10 +183,15 @@ Scene load_scene(const std::string& name_or_path, std::span<const ShaderInfo* co
     return parse_scene(gltf_scene_text(file), file, shaders, progress);
   }
   if (is_pbrt_path(file)) return parse_scene(pbrt_scene_text(file), file, shaders, progress);
-  if (const std::string extension = file.extension().string();
-      extension == ".obj" || extension == ".ply" || extension == ".hair") {
+  const std::string extension = file.extension().string();
+  if (extension == ".obj" || extension == ".ply" || extension == ".hair") {
     throw input_error(name_or_path, "is geometry alone, without a camera and lights",
                       "name it in a scene file: docs/scene-format.md");
+  }
+  if (extension == ".exr" || extension == ".png" || extension == ".jpg") {
+    throw input_error(
+        name_or_path, "is an image, no scene",
+        "name a scene file or a cache; samples of another renderer: docs/aov-input.md");
   }
   return parse_scene(read_text_file(file, max_scene_file_bytes), file, shaders, progress);
 }

@@ -299,7 +299,7 @@ std::optional<Camera> PbrtWorld::camera() const {
   Camera camera;
   camera.eye = vec3(m[3]);
   const vec3 forward = normalize_or(vec3(m[2]), vec3(0, 0, -1));
-  camera.target = camera.eye + forward * std::max(1.0f, 1e-3f * max_abs_component(camera.eye));
+  camera.target = target_ahead(camera.eye, forward);
   camera.up = normalize_or(vec3(m[1]), vec3(0, 1, 0));
   const double half = 0.5 * fov_deg_ * 3.14159265358979323846 / 180;
   const double sides = width_ < height_ ? static_cast<double>(height_) / width_ : 1.0;
