@@ -6,8 +6,9 @@
 #include <fstream>
 #include <string>
 
-#if defined(__SANITIZE_ADDRESS__)
-/// Of AddressSanitizer, whose header Debian's GCC does not bring.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RELUME_SANITIZER_HEAP
+/// Of the sanitizers, whose header Debian's GCC does not bring.
 extern "C" size_t __sanitizer_get_current_allocated_bytes();
 #endif
 
@@ -20,7 +21,7 @@ uint64_t peak_memory_bytes() {
 }
 
 uint64_t allocated_bytes() {
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef RELUME_SANITIZER_HEAP
   return __sanitizer_get_current_allocated_bytes();  // glibc's own heap is not used
 #elif defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const auto info = mallinfo2();
