@@ -33,8 +33,9 @@ TEST(PreparePreview, IsRoughlyTheFrame) {
   EXPECT_EQ(tiles, 5 * 4);
   EXPECT_EQ(told, 1) << "again only when somebody looked";
   Image image;
-  ASSERT_TRUE(preview.take(image));
-  EXPECT_FALSE(preview.take(image));
+  float exposure = 0;
+  ASSERT_TRUE(preview.take(image, exposure));
+  EXPECT_FALSE(preview.take(image, exposure));
 
   RelightState state = make_relight_state(cache);
   const auto shadows = make_shadow(ShadowMethod::ray, tracer, cache);
@@ -47,6 +48,7 @@ TEST(PreparePreview, IsRoughlyTheFrame) {
 TEST(PreparePreview, ShowsWhatMaterialsEmit) {
   Scene scene = parse_scene(test::lamp_scene, "lamp.json", shader_table());
   scene.lights.clear();
+  scene.exposure = -1.5f;
   const Tracer tracer(scene);
   PreparePreview preview;
   PrepareParams params;
@@ -57,7 +59,9 @@ TEST(PreparePreview, ShowsWhatMaterialsEmit) {
   };
   const RelightCache cache = prepare_in_memory(scene, tracer, params, {});
   Image image;
-  ASSERT_TRUE(preview.take(image));
+  float exposure = 0;
+  ASSERT_TRUE(preview.take(image, exposure));
+  EXPECT_EQ(exposure, scene.exposure);
   EXPECT_EQ(image.pixels, cache.emission());
   EXPECT_EQ(*std::max_element(image.pixels.begin(), image.pixels.end()), 2);
 }

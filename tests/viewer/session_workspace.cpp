@@ -7,8 +7,12 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/scene/io/load_scene.h"
+#include "core/shade/shaders.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/viewer/fake_session.h"
+#include "tests/viewer/lamp_scene.h"
+#include "viewer/session/prepare.h"
 #include "viewer/session/recent_files.h"
 #include "viewer/session/workspace.h"
 
@@ -148,6 +152,40 @@ TEST(Workspace, OpensAnotherInputWithoutWaitingForTheOneUnderWay) {
     std::this_thread::yield();
   }
   EXPECT_TRUE(is_held) << "the first is still under way";
+  is_held = false;
+}
+
+TEST(Workspace, ShowsThePreviewAtTheScenesExposure) {
+  const TemporaryFolder folder;
+  Scene scene = parse_scene(test::lamp_scene, "lamp.json", shader_table());
+  scene.exposure = -2;
+  PreparePreview same;
+  std::atomic<bool> is_prepared{false};
+  std::atomic<bool> is_held{true};
+  const auto opener = [&](const SessionFile&, const ProgressCallback&,
+                          PreparePreview& preview) -> OpenedInput {
+    const Tracer tracer(scene);
+    PrepareParams params;
+    params.spp = 4;
+    params.on_tile = [&](const ViewSampler& view, const SampleTile& records) {
+      preview.add_tile(view, records);
+      same.add_tile(view, records);
+    };
+    prepare_in_memory(scene, tracer, params, {});
+    is_prepared = true;
+    while (is_held) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    throw Error(ErrorKind::cancelled, "stopped");
+  };
+  Workspace workspace(opener, "lamp", {.state_folder = folder.path()});
+  while (!is_prepared) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  workspace.update(true);
+  Image image;
+  float exposure = 0;
+  ASSERT_TRUE(same.take(image, exposure));
+  std::vector<uint8_t> expected(4 * image.pixel_count());
+  apply_display_rgba(image, {.exposure = -2, .curve = default_curve()}, expected);
+  EXPECT_TRUE(workspace.preview().rgba == expected);
+  EXPECT_GT(*std::max_element(image.pixels.begin(), image.pixels.end()), 0);
   is_held = false;
 }
 

@@ -50,7 +50,7 @@ class InputLoader {
   std::unique_ptr<FrameSource> take_reference();
   RecordSource take_record_source();
   /// The tiles prepared so far, see PreparePreview::take().
-  bool take_preview(Image& image) { return preview_.take(image); }
+  bool take_preview(Image& image, float& exposure) { return preview_.take(image, exposure); }
   const SessionFile& file() const { return file_; }
   /// Asks the work to end soon.
   void stop();

@@ -86,6 +86,7 @@ void PreparePreview::add_tile(const ViewSampler& view, const SampleTile& records
     if (image_.width != view.width || image_.height != view.height) {
       image_ = Image(view.width, view.height);
     }
+    exposure_ = view.scene->exposure;
     for (int y = 0; y < records.height; ++y) {
       for (int x = 0; x < records.width; ++x) {
         const vec3 color = colors[static_cast<size_t>(y) * records.width + x];
@@ -99,10 +100,11 @@ void PreparePreview::add_tile(const ViewSampler& view, const SampleTile& records
   if (first && notify_) notify_();
 }
 
-bool PreparePreview::take(Image& image) {
+bool PreparePreview::take(Image& image, float& exposure) {
   const std::lock_guard lock(mutex_);
   if (!fresh_) return false;
   image = image_;
+  exposure = exposure_;
   fresh_ = false;
   return true;
 }

@@ -20,14 +20,15 @@ class PreparePreview {
   /// Shades the records of one tile of `view` under the scene's lights. Any thread.
   void add_tile(const ViewSampler& view, const SampleTile& records);
 
-  /// Copies the picture so far, scene-linear RGB, black where nothing came yet; false when nothing
-  /// is new.
-  bool take(Image& image);
+  /// Copies the picture so far, scene-linear RGB, black where nothing came yet, and the scene's
+  /// exposure in stops; false when nothing is new.
+  bool take(Image& image, float& exposure);
 
  private:
   const std::function<void()> notify_;
   std::mutex mutex_;  // guards the members below
   Image image_;
+  float exposure_ = 0;
   bool fresh_ = false;
 };
 

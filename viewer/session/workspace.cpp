@@ -495,13 +495,14 @@ std::vector<std::string> Workspace::recent_files() const {
 void Workspace::paint_preview() {
   if (!loader_ || session_) return;
   Image image;
-  if (!loader_->take_preview(image)) return;
+  DisplayTransform display{.curve = default_curve()};
+  if (!loader_->take_preview(image, display.exposure)) return;
   preview_.width = image.width;
   preview_.height = image.height;
   preview_.rgba.resize(4 * image.pixel_count());
-  ToneCurve curve = loaded_view_ ? loader_->file().view.display.curve : default_curve();
-  if (curve == ToneCurve::config && !has_config_view()) curve = ToneCurve::srgb;
-  apply_display_rgba(image, {.curve = curve}, preview_.rgba);
+  if (loaded_view_) display = loader_->file().view.display;
+  if (display.curve == ToneCurve::config && !has_config_view()) display.curve = ToneCurve::srgb;
+  apply_display_rgba(image, display, preview_.rgba);
   ++preview_.version;
 }
 
