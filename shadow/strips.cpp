@@ -1,5 +1,7 @@
 #include "shadow/strips.h"
 
+#include "shadow/morton.h"
+
 namespace relume {
 namespace {
 
@@ -16,20 +18,6 @@ float mask_fill(const Texture& mask, const Material& material) {
     if (value >= material.alpha_cutoff * 255) ++solid;
   }
   return static_cast<float>(solid) / static_cast<float>(texels);
-}
-
-/// Ten bits an axis, interleaved.
-uint32_t morton_code(const Bounds& box, vec3 p) {
-  uint32_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float extent = std::max(box.high[axis] - box.low[axis], 1e-30f);
-    const float at = std::clamp((p[axis] - box.low[axis]) / extent, 0.0f, 1.0f);
-    const auto cell = static_cast<uint32_t>(at * 1023);
-    for (uint32_t bit = 0; bit < 10; ++bit) {
-      code |= ((cell >> bit) & 1u) << (3 * bit + static_cast<uint32_t>(axis));
-    }
-  }
-  return code;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "core/trace/texture_lookup.h"
+#include "shadow/morton.h"
 #include "shadow/thin_levels.h"
 
 namespace relume {
@@ -168,20 +169,6 @@ void make_chunks(ThinShape& shape) {
     if (chunk.primitive_count >= chunk_primitives) finish();
   }
   finish();
-}
-
-/// Ten bits an axis of a place in a box, interleaved.
-uint32_t morton_code(const Bounds& box, vec3 p) {
-  uint32_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float extent = std::max(box.high[axis] - box.low[axis], 1e-30f);
-    const float at = std::clamp((p[axis] - box.low[axis]) / extent, 0.0f, 1.0f);
-    const auto cell = static_cast<uint32_t>(at * 1023);
-    for (uint32_t bit = 0; bit < 10; ++bit) {
-      code |= ((cell >> bit) & 1u) << (3 * bit + static_cast<uint32_t>(axis));
-    }
-  }
-  return code;
 }
 
 /// Strands that stand near each other become neighbours, so that chunks are small.
