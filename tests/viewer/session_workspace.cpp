@@ -179,6 +179,7 @@ TEST(Workspace, ShowsThePreviewAtTheScenesExposure) {
   Workspace workspace(opener, "lamp", {.state_folder = folder.path()});
   while (!is_prepared) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   workspace.update(true);
+  is_held = false;
   Image image;
   float exposure = 0;
   ASSERT_TRUE(same.take(image, exposure));
@@ -186,7 +187,6 @@ TEST(Workspace, ShowsThePreviewAtTheScenesExposure) {
   apply_display_rgba(image, {.exposure = -2, .curve = default_curve()}, expected);
   EXPECT_TRUE(workspace.preview().rgba == expected);
   EXPECT_GT(*std::max_element(image.pixels.begin(), image.pixels.end()), 0);
-  is_held = false;
 }
 
 TEST(Workspace, OneDragIsOneStep) {
